@@ -72,8 +72,8 @@ std::size_t BallLookup::find(std::uint64_t key) const {
   return at;
 }
 
-/// Enters each ball into the cells that it touches. Cells are at least twice as wide as a ball, so that its ends lie in
-/// one cell or in two adjacent ones, even after rounding.
+/// Enters each ball into the cells that it touches. Cells are at least twice as wide as a ball, so that the ends of the
+/// ball lie in one cell or in two adjacent cells, even after rounding.
 BallLookup::BallLookup(std::span<const Ball> balls) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> entries;  // key of a cell and number of a ball
   for (std::uint32_t number = 0; number < balls.size(); ++number) {
@@ -122,8 +122,8 @@ BallRaster::BallRaster(const Box& box, std::span<const Ball> balls) : lo_(box.lo
   }
 }
 
-/// Divides the box into at most kMostCells cells of equal width along all axes, or of the whole width of the box along
-/// an axis where the box is narrower.
+/// Divides the box into at most kMostCells cells of about equal width along all axes. Along an axis where the box is
+/// narrower than a cell, one cell has the width of the box.
 void BallRaster::divide(Vec3 extent) {
   for (double width = std::max({extent.x, extent.y, extent.z}) / 2; width > 0; width /= 2) {
     std::array<double, 3> count;

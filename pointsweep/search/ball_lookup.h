@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Look-up of the balls that contain a point, the union of many balls, and the cells of a box that balls touch. Balls
-/// may have very different sizes: each power of two has a grid of cells for balls of about that size.
+/// may have very different sizes: look-up and union have, for each power of two, a grid of cells for balls of about
+/// that size.
 #pragma once
 
 #include <algorithm>
@@ -23,12 +24,14 @@ struct Ball {
   double reach2;
 };
 
-/// Returns a radius that no point of the ball exceeds along an axis, in spite of the rounding of squares.
+/// Returns a distance from the centre that no point of the ball exceeds along an axis, in spite of the rounding of
+/// squares.
 inline double safe_radius(double reach2) { return std::sqrt(reach2) * (1 + 1e-12) + 1e-150; }
 
 /// Balls with a larger radius belong to no grid.
 inline constexpr double kLargestRadius = 1e150;
 
+/// A grid of cubic cells for balls of about one size.
 struct BallGrid {
   int exponent;  ///< cells are 2^exponent wide
   double scale;  ///< 2^-exponent
@@ -55,8 +58,8 @@ inline BallGrid& grid_with(int exponent, std::vector<BallGrid>& grids) {
 }
 
 /// A look-up of the balls that contain a point. Balls of similar size share a grid whose cells are at least twice as
-/// wide, so that each ball lies in eight cells at most. A query looks up one cell for each size of balls, in about
-/// 10 ns. Thread-safe.
+/// wide as the balls, so that each ball touches at most eight cells. A query looks up one cell of each grid, in about
+/// 10 ns per grid. Queries are thread-safe.
 class BallLookup {
  public:
   explicit BallLookup(std::span<const Ball> balls);
@@ -85,8 +88,8 @@ class BallLookup {
 };
 
 /// The union of many balls. Each ball marks the cells that it may touch, at most 64; a cell has half to the whole width
-/// of the ball. A query takes one look-up for each size of balls, about 10 ns, for any number of overlapping balls.
-/// Thread-safe.
+/// of the ball. A query takes one look-up in each grid, about 10 ns, for any number of overlapping balls. Queries are
+/// thread-safe.
 class BallCover {
  public:
   explicit BallCover(std::span<const Ball> balls);
@@ -106,7 +109,7 @@ class BallCover {
 };
 
 /// The cells of a box that balls touch. If most points of the box lie in no ball, a test of the cell of a point, about
-/// 2 ns, saves the look-up of the balls around the point. Thread-safe.
+/// 2 ns, saves the look-up of the balls around the point. Queries are thread-safe.
 class BallRaster {
  public:
   BallRaster(const Box& box, std::span<const Ball> balls);
@@ -117,7 +120,7 @@ class BallRaster {
   }
 
  private:
-  /// Returns the cell along an axis, which does not decrease as the coordinate grows.
+  /// Returns the number of the cell along an axis, which does not decrease as the coordinate grows.
   std::size_t cell_of(int axis, double coordinate) const {
     const double cell = (coordinate - lo_[axis]) * scale_[axis];
     return cell > 0 ? std::min(static_cast<std::size_t>(std::min(cell, kMostCells)), cells_[axis] - 1) : 0;

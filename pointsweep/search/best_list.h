@@ -12,6 +12,7 @@
 
 namespace pointsweep {
 
+/// A point that may be a neighbour, with its squared distance from the point whose neighbours are searched.
 struct Candidate {
   double distance2;
   Vec3 position;
@@ -39,7 +40,7 @@ inline std::size_t insert_sorted(const Candidate& c, Candidate* list, std::size_
   return std::min(size + 1, most);
 }
 
-/// Keeps up to 2k + 32 candidates and cuts them back to k when full: constant time per candidate on average.
+/// Keeps up to 2k + 32 candidates, and then cuts them back to the k nearest: constant time per candidate on average.
 class BestList {
  public:
   /// Begins a search. `reach2`: squared distance within which the neighbourhood is known to end; infinite if unknown.

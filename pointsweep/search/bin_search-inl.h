@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Search for the gathered points within a distance of a point, sorted by bins of squared distances. Included once per
-/// instruction set.
+/// Search among GatheredPoints (cell_search.h) for the points within a distance of a point, and sorting of these points
+/// by bins of squared distances. Included once per instruction set.
 #if defined(POINTSWEEP_SEARCH_BIN_SEARCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_SEARCH_BIN_SEARCH_INL_H_
 #undef POINTSWEEP_SEARCH_BIN_SEARCH_INL_H_
@@ -26,20 +26,20 @@ namespace pointsweep {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Sorts points by keys that hold a bin of distances and the number of the gathered point. A key has half the bits of a
-/// distance with a NeighborRef, so that sorting takes half the time. Bins ascend with distance; the caller orders
-/// points of equal bins.
+/// Sorts points by keys of 32 bits: a bin of squared distances above the number of the gathered point. A key with a
+/// whole distance and a NeighborRef would have 64 bits, and sorting would take twice the time. Bins ascend with
+/// distance; the caller orders points of equal bins.
 class BinSearch {
  public:
   /// Prepares searches among the first `size` of the gathered points, within a squared distance of `limit2`.
   BinSearch(GatheredPoints& points, std::size_t size, double limit2)
       : points_(points), size_(size), limit2_(limit2), low_bits_(static_cast<std::uint32_t>(std::bit_width(size))) {}
 
-  /// Returns whether squared distances up to `limit2` can be divided into bins.
+  /// Returns whether squared distances up to `limit2` can be divided into bins without overflow or underflow.
   static bool can_bin(double limit2) { return limit2 > 1e-280 && limit2 < 1e280; }
 
-  /// Finds the points within sqrt(limit2) of p, except number `self`, and returns their number. Sorts at least the
-  /// first `wanted` of the found points.
+  /// Finds the points within sqrt(limit2) of p, except the gathered point number `self`. Returns how many they are.
+  /// Sorts at least the first `wanted` of the found points.
   std::size_t find(Vec3 p, std::size_t self, std::size_t wanted) {
     const std::size_t count = keep(p, self);
     sorted_ = BinSort(low_bits_, points_.spare_key.data())
@@ -93,7 +93,7 @@ class BinSearch {
     const auto own = hn::Set(di, static_cast<std::int32_t>(self)), none = hn::Set(di, -1);
     const auto end = hn::Set(di, static_cast<std::int32_t>(size_)),
                step = hn::Set(di, static_cast<std::int32_t>(lanes));
-    auto number = hn::Iota(di, 0);  // incremented below: making it from `i` each time would go through memory
+    auto number = hn::Iota(di, 0);  // a counter in lanes: conversion from `i` would go through memory
     std::size_t count = 0;
     for (std::size_t i = 0; i < size_; i += lanes, number = hn::Add(number, step)) {
       const auto dx = hn::Sub(hn::LoadU(d, &from.x[i]), px), dy = hn::Sub(hn::LoadU(d, &from.y[i]), py);

@@ -40,7 +40,7 @@ void Cell::seal() {
   for (std::size_t i = size_; i < padded(size_); ++i) {
     x[i] = x[size_ - 1], y[i] = y[size_ - 1], z[i] = z[size_ - 1], row[i] = row[size_ - 1];
   }
-  std::array<Box, kCellCapacity / kLeafCapacity> leaves;  // whole leaves can be read, since padding repeats a point
+  std::array<Box, kCellCapacity / kLeafCapacity> leaves;  // boxes of whole leaves: padding repeats a point
   box = Box{};
   for (std::uint32_t l = 0; l < leaf_count(); ++l) {
     leaves[l] = bounds_of_leaf(l);

@@ -19,15 +19,15 @@ namespace pointsweep {
 
 inline constexpr std::uint32_t kLeafCapacity = 16;
 
-/// The points of a cell as a structure of arrays, in one allocation. Leaf l holds the points [16 l, min(16 l + 16,
-/// size)). Boxes of leaves are in single precision relative to `origin`, rounded outward, so that distances to them are
-/// never overestimated.
+/// The points of a cell as a structure of arrays, in one allocation that the cell owns. Leaf l holds the points [16 l,
+/// min(16 l + 16, size)). Boxes of leaves are in single precision relative to `origin`, rounded outward, so that no box
+/// is too small.
 class Cell {
  public:
   Cell() = default;
   /// Allocates memory for `size` points. The caller fills x, y, z and row, and then calls seal().
   explicit Cell(std::uint32_t size);
-  /// Computes box, origin, leaf boxes and lowest rows.
+  /// Pads the arrays, and computes box, origin, leaf boxes and lowest rows.
   void seal();
 
   std::uint32_t size() const { return size_; }
@@ -44,7 +44,7 @@ class Cell {
   static constexpr std::uint64_t kSeveralPlaces = ~std::uint64_t{0};
   /// Lowest row of the points if all of them are at one place; kSeveralPlaces otherwise.
   std::uint64_t lowest_row = kSeveralPlaces;
-  double* x = nullptr;  ///< padded to whole leaves; the padding repeats the last point
+  double* x = nullptr;  ///< x, y, z and row are padded to whole leaves with copies of the last point
   double* y = nullptr;
   double* z = nullptr;
   std::uint64_t* row = nullptr;
@@ -74,7 +74,8 @@ inline float round_down(double v) {
 /// Returns a float that is not below v, and at most two steps above it.
 inline float round_up(double v) { return -round_down(-v); }
 
-/// Indices of points in a cell, ascending: a run of points, or chosen points in an array that the caller owns.
+/// Ascending indices of points in a cell: a run of successive indices, or chosen indices in an array that the caller
+/// owns.
 class CellSubset {
  public:
   CellSubset(const Cell& cell) : CellSubset(0, cell.size()) {}  ///< all points of the cell
@@ -104,9 +105,12 @@ class CellSubset {
   std::uint32_t size_;
 };
 
-/// A flat table of cells with their boxes as structure of arrays. A window has some hundreds of cells, so that a linear
-/// scan per query cell costs a few nanoseconds per point, less than walking any tree. Reading is thread-safe, changing
-/// is not.
+/// The cells that a search may visit, each under a slot, which is the number of a place for a cell in memory. A
+/// NeighborRef (neighborhood.h) names a point by the slot of its cell and its index in the cell.
+///
+/// The directory is a flat table. The window (the cells in memory) has some hundreds of cells, so a linear scan for
+/// each searched cell costs a few nanoseconds per point, less than a tree would. Reading is thread-safe, changing is
+/// not.
 class CellDirectory {
  public:
   struct Near {
@@ -117,7 +121,8 @@ class CellDirectory {
     }
   };
 
-  /// Adds a cell under a slot number that no other cell has. The cell is borrowed and must not move.
+  /// Adds a cell under a slot that no other cell has. The directory keeps the pointer: the caller owns the cell, which
+  /// must not move before remove().
   void add(std::uint32_t slot, const Cell* cell);
   void remove(std::uint32_t slot);
   const Cell& cell(std::uint32_t slot) const { return *cells_[slot]; }

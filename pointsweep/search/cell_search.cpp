@@ -24,8 +24,9 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep {
 namespace HWY_NAMESPACE {
 
-/// The search of one cell, leaf by leaf. The queries of a leaf form groups, one query per vector lane. All groups share
-/// the list of near leaves and their coordinates in single precision.
+/// The search of one cell, leaf by leaf, with lists of K >= k neighbours. The queries (the points of a leaf) form
+/// groups, one query per vector lane. All groups share the list of near leaves, and the coordinates of their points in
+/// single precision.
 template <std::size_t K>
 class CellSearch {
  public:
@@ -76,10 +77,10 @@ class CellSearch {
   }
 
   static constexpr std::uint32_t kGroup = hn::MaxLanes(Lanes()), kGroups = kLeafCapacity / kGroup;
-  /// The points of a leaf are tested one by one if its box extends farther than this from the centre of the frame, in
-  /// which the queries' leaf is about 1 wide.
+  /// If the box of a leaf extends farther than this from the centre of the frame (struct Frame), the search tests the
+  /// points of the leaf one by one. In the frame, the leaf of the queries is about 1 wide.
   static constexpr float kWide = 64;
-  static constexpr std::size_t kFew = 2 * K + 16;  ///< most candidates that are sorted by insertion
+  static constexpr std::size_t kFew = 2 * K + 16;  ///< largest number of candidates that are sorted by insertion
 
   void search_leaf(std::uint32_t leaf) {
     const std::uint32_t first = leaf * kLeafCapacity, queries = cell_.leaf_size(leaf);
@@ -104,8 +105,8 @@ class CellSearch {
       settle(groups_[g], first + g * kGroup, std::min(kGroup, queries - g * kGroup));
   }
 
-  /// Returns the range of leaves around a leaf, in one branch of the cell's division, that holds more than k points.
-  /// These leaves give a first finite bound of the reaches.
+  /// Returns a range of successive leaves that includes `leaf` and holds more than k points, or all leaves of a small
+  /// cell. The points of these leaves give the first finite bound of the reach of each query.
   std::pair<std::uint32_t, std::uint32_t> branch_around(std::uint32_t leaf) const {
     std::uint32_t size = 1, begin = leaf, end = leaf + 1;
     while (std::min(end * kLeafCapacity, cell_.size()) - begin * kLeafCapacity <= what_.k &&
@@ -117,7 +118,8 @@ class CellSearch {
     return {begin, end};
   }
 
-  /// Chooses centre and scale for the query leaf. Returns false if single precision cannot work at any scale.
+  /// Chooses centre and scale of the frame for the leaf of the queries. Returns false if the width of the leaf is out
+  /// of range: below 2^-300 or above 2^300, in about.
   bool choose_frame(std::uint32_t leaf) {
     double extent = 0;
     for (int a = 0; a < 3; ++a) {
@@ -164,8 +166,8 @@ class CellSearch {
                                       : std::numeric_limits<double>::infinity();
   }
 
-  /// Collects the leaves that a query may need, nearest first. Skips leaves [begin, end) of the query's own cell, which
-  /// the caller has already searched.
+  /// Collects the leaves that a query of any group may need, nearest first. Skips leaves [begin, end) of the query's
+  /// own cell, which the caller has already searched.
   void find_leaves(std::uint32_t begin, std::uint32_t end) {
     const double reach2 = unscaled(farthest_reach2());
     if (reach2 > scratch_.near.reach2) scratch_.near.find(query_, 4 * reach2);
@@ -176,8 +178,8 @@ class CellSearch {
     collect_near_leaves(query_.directory, scratch_.near.cells, query_box_, reach2, kAll, untried, scratch_.leaves);
   }
 
-  /// Tries the collected leaves until no further leaf can hold a neighbour. Returns false if more leaves are needed
-  /// than can be packed.
+  /// Tries the collected leaves until no further leaf can hold a neighbour. Returns false if the queries need more
+  /// leaves than `packed_` has room for.
   bool try_leaves() {
     float limit = not_near(unscaled(farthest_reach2()));
     for (const std::uint64_t key : scratch_.leaves) {
@@ -210,15 +212,15 @@ class CellSearch {
     leave_out_beyond(1.001f * (std::sqrt(farthest_reach2()) + static_cast<float>(leaf_extent_)), others, packed_);
   }
 
-  /// Writes the lists. If two keys are too close to decide their order, the neighbours found are sorted by exact
-  /// distances. If the keys cannot decide which points belong to the list, at the kth neighbour or the radius, the
-  /// point is searched in double.
+  /// Writes the lists. Where two keys are too close to decide the order of their points, exact distances decide. If the
+  /// keys cannot decide which points belong to the list, at the kth neighbour or the radius, the point is searched
+  /// again in double.
   void settle(const Group<K>& group, std::uint32_t first, std::uint32_t queries) {
     const Vec empty = hn::Set(d_, kEmptyKey), relative = hn::Set(d_, kRelativeMargin), one = hn::Set(d_, 1.0f);
     const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);
     const Vec surely_within = hn::Set(d_, limited_ ? radius2_ * (1 - 1e-6f) : kEmptyKey);
     Vec set_unsure = hn::Zero(d_);
-    std::uint64_t close_to_next[kGroup] = {};  // for each lane: a bit for each place in the list
+    std::uint64_t close_to_next[kGroup] = {};  // by lane; bit i: keys i and i + 1 are too close
     for (std::size_t i = 0; i <= K; ++i) {
       const Vec key = group.selection.list[i];
       hn::Store(key, d_, keys_[i]);
@@ -257,8 +259,8 @@ class CellSearch {
     out_.refs.resize(written_);
   }
 
-  /// Extends out_.refs for the lists of `queries` queries, so that they are written in place: a copy of values that
-  /// have just been written one by one would stall.
+  /// Extends out_.refs for the lists of `queries` queries, so that the lists are written in place. Copying lists whose
+  /// values have just been written one by one would stall the processor.
   void make_room(std::uint32_t queries) {
     written_ = out_.refs.size();
     out_.refs.resize(written_ + queries * K);
@@ -275,7 +277,8 @@ class CellSearch {
     written_ += size;
   }
 
-  /// Searches again for one query among the packed candidates, by their exact distances.
+  /// Searches again for the neighbours of one query among the packed candidates, by the exact distances of the
+  /// candidates.
   void settle_in_double(const Group<K>& group, std::uint32_t point, std::uint32_t lane, float reach) {
     ++scratch_.settled_in_double;
     const std::size_t near = find_near(group, lane, reach);
@@ -318,7 +321,8 @@ class CellSearch {
     append_best(what_, scratch_, out_);
   }
 
-  /// Searches plainly for queries whose neighbours are too many or too spread for the vector code.
+  /// Searches the points of a leaf one by one in double, because their neighbours are too many or too spread for the
+  /// vector code.
   void search_in_double(std::uint32_t first, std::uint32_t queries) {
     for (std::uint32_t q = first; q < first + queries; ++q) {
       if (!is_wanted(q)) {
@@ -350,7 +354,7 @@ class CellSearch {
   const Neighborhood what_;
   SearchScratch& scratch_;
   CellNeighbors& out_;
-  std::uint32_t wanted_ = ~0u;  ///< one bit for each wanted point of the leaf; lists of others may be wrong
+  std::uint32_t wanted_ = ~0u;  ///< one bit for each wanted point of the leaf; the lists of other points may be wrong
   double leaf_extent_ = 1;
   bool limited_ = false;
   float radius2_ = 0;
@@ -390,7 +394,8 @@ void search_lanes(const CellQuery& query, const CellSubset& points, SearchScratc
 namespace pointsweep {
 HWY_EXPORT(search_lanes);
 
-/// With few neighbours per point, the lists of a whole cell are small, so `most` is ignored.
+/// With at most kMostInLanes neighbours per point, the lists of a whole cell are small, so this function ignores
+/// `most`.
 std::uint32_t search(const CellQuery& query, const CellSubset& points, std::uint64_t most, SearchScratch& scratch,
                      CellNeighbors& out) {
   out.refs.clear();

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// The neighbourhood operator Φ_X for all points of a cell at once (paper Section 4.2.2), exact over the cells of a
-/// directory.
+/// The neighbourhood operator Φ_X (Pajarola 2005, Section 4.2.2) for all points of a cell at once, exact over the cells
+/// of a directory. Cells, leaves, slots and the directory: cell.h.
 ///
-/// Deviation from the paper: instead of a kD-heap that is updated point by point, all points of a leaf walk the leaves
-/// of the window together, one query per vector lane, and keep their k nearest in registers. Single precision only
-/// filters: if it cannot decide between two candidates, the point is searched in double.
+/// Deviation from the paper, which updates a kD-heap point by point: the search compares all points of a leaf with the
+/// leaves around it together, one query point per vector lane, and keeps the k nearest of each query in registers.
+/// Single precision only filters: if it cannot decide between two candidates, the search compares their distances in
+/// double precision.
 #pragma once
 
 #include <cstddef>
@@ -26,19 +27,20 @@ struct CellNeighbors {
   std::vector<double> reach2;
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(begin.size() - 1); }
-  /// Returns the bytes of memory that the lists take.
+  /// Returns the bytes of `refs` and `begin` together.
   std::uint64_t list_bytes() const { return refs.size() * sizeof(NeighborRef) + begin.size() * sizeof(std::uint32_t); }
 };
 
-/// Points copied to one place with their references, and buffers for a search among them.
+/// Copies of the points of several leaves in contiguous arrays, and buffers for a search among these points.
 struct GatheredPoints {
   std::vector<double> x, y, z;
   std::vector<NeighborRef> ref;
   std::vector<std::uint32_t> end;  ///< for each gathered leaf, the number of gathered points up to its end
-  std::vector<std::uint64_t> key;  ///< for each point found, bits of its squared distance, then its NeighborRef
-  std::vector<std::uint32_t> bin_key, spare_key;  ///< keys and scratch of BinSort
-  std::vector<Candidate> run;                     ///< points at about one distance, while they are compared exactly
+  std::vector<std::uint64_t> key;  ///< for each point found, 32 bits of its squared distance above its NeighborRef
+  std::vector<std::uint32_t> bin_key, spare_key;  ///< keys and scratch of BinSort (sort_lanes-inl.h)
+  std::vector<Candidate> run;                     ///< points with almost equal distances, for the exact comparison
 
+  /// Makes room for `size` points, and for `padding` keys that BinSort may access beyond the keys of the points.
   void reserve(std::size_t size, std::size_t padding) {
     if (size <= ref.size()) return;
     for (auto* c : {&x, &y, &z}) grow(*c, size);
@@ -56,13 +58,15 @@ struct GatheredPoints {
 };
 
 /// A search for at most kMostInLanes neighbours handles the points of a leaf in vector lanes. A search for more
-/// neighbours, or for all points within a radius, gathers the points around a leaf, at most kMostGathered of them.
+/// neighbours, or for all points within a radius, copies the points around a leaf to GatheredPoints, at most
+/// kMostGathered of them.
 inline constexpr std::size_t kMostInLanes = 64;
 inline constexpr std::size_t kMostGathered = 1 << 15;
 /// Bytes of memory for each gathered point in GatheredPoints, including the unused places of leaves that are not full.
 inline constexpr std::uint64_t kGatheredPointBytes = 64;
 
-/// A query for the neighbours of all points of one cell: the cell, the directory that holds it, and the neighbourhood.
+/// A query for the neighbours of all points of one cell: the slot of the cell, the directory that contains the cell,
+/// and the definition of the neighbourhood.
 struct CellQuery {
   const CellDirectory& directory;
   std::uint32_t slot;
@@ -82,51 +86,53 @@ struct NearCells {
   }
 };
 
-/// Memory reused from cell to cell by one thread.
+/// Buffers that one thread reuses from cell to cell.
 struct SearchScratch {
   NearCells near;
   std::vector<std::uint64_t> leaves;  ///< leaves near the current query, as keys of NearLeaf (near_leaves-inl.h)
   GatheredPoints gathered;
   BestList best;
-  std::uint64_t settled_in_double = 0;  ///< points that single precision could not decide
+  std::uint64_t settled_in_double = 0;  ///< number of points that single precision could not decide
 };
 
-/// Finds the neighbourhoods of the first of `points`, until `most` neighbours are found or all points are searched.
-/// Returns the number of searched points; `out` holds exactly the lists of these points, each complete. Thread-safe
-/// with one scratch per thread.
+/// Finds the neighbourhoods of `points` one after another. Stops when all points are searched, or after the point with
+/// which the lists reach `most` neighbours in total. Returns the number of searched points; `out` then holds exactly
+/// the lists of these points, each complete. Thread-safe with one scratch per thread.
 ///
-/// If k is at most 64, all points are searched; a leaf of which `points` has any point is searched at the cost of all
-/// 16 points. Memory in addition to `out`: with a limit k, at most 128 bytes × k, and the gathered points;
-/// without, 14 bytes for each point in the leaves within the radius of one point.
+/// If 0 < k <= 64, `most` is ignored, and the search of one point of a leaf costs as much as that of all 16 points.
+/// Memory in addition to `out`: with a limit k, room for 2k + 32 candidates of 48 bytes. If k > 64 or unlimited, also
+/// the gathered points. If k is unlimited, also up to 170 bytes for each leaf within the radius of the searched leaf.
 std::uint32_t search(const CellQuery& query, const CellSubset& points, std::uint64_t most, SearchScratch& scratch,
                      CellNeighbors& out);
 
 /// A value of `most` that exceeds the size of all lists.
 inline constexpr std::uint64_t kAllLists = ~std::uint64_t{0};
 
-/// The function search() for any k > 0 and any radius, for many neighbours: the points around a leaf are gathered once,
-/// then every point of the leaf scans them, a candidate per vector lane, all in double precision. Appends to `out`. If
-/// more than 2,048 leaves lie around a leaf, their points are not gathered: each point of the leaf scans these leaves,
-/// or, with a limit k, is searched by search_point_plainly(). 15 to 30 ns per neighbour on one core with AVX-512, about
-/// half of it for sorting.
+/// Does the work of search() for many neighbours, with any k > 0 and any radius; appends to `out`. The function gathers
+/// the points around a leaf once, then compares every point of the leaf with all gathered points in double precision,
+/// one candidate per vector lane. If the points would come from more than 2,048 leaves, nothing is gathered: the search
+/// of each point reads the leaves themselves or, with a limit k, is search_point_plainly(). Cost: 15 to 30 ns per
+/// neighbour on one core with AVX-512, about half of it for sorting.
 std::uint32_t search_gathered(const CellQuery& query, const CellSubset& points, std::uint64_t most,
                               SearchScratch& scratch, CellNeighbors& out);
 
-// The neighbourhood operator point by point in double precision, for any k and radius. The functions below serve points
-// that the vector code cannot decide, many copies of one point, and machines without vectors.
+// The functions below search point by point in double precision, for any k and radius, or are parts of such a search.
+// The vector code calls them for points that it cannot decide and for many copies of one point. Machines without vector
+// instructions use them for all points.
 
 /// Searches the neighbourhood of the point with index `i` and leaves it in scratch.best, on which the caller calls
-/// finish(). scratch.near holds cells near the cell of the query, and grows as needed.
+/// finish(). The caller has set scratch.near by find() for the same query; this function extends scratch.near as
+/// needed.
 void search_point_plainly(const CellQuery& query, std::uint32_t i, SearchScratch& scratch);
 
-/// Searches the neighbourhood of a place in the cell, without the point with row `self_row`, and leaves the
-/// neighbourhood in scratch.best.
+/// Does the work of search_point_plainly() for a place in the box of the cell, and excludes the point with row
+/// `self_row`.
 void search_place_plainly(const CellQuery& query, Vec3 place, std::uint64_t self_row, SearchScratch& scratch);
 
-/// Appends the neighbourhood in scratch.best to `out`, and the squared distance at which it ends.
+/// Appends the neighbourhood in scratch.best to `out`, with the squared distance at which the neighbourhood ends.
 void append_best(const Neighborhood& what, SearchScratch& scratch, CellNeighbors& out);
 
-/// The function search() for any k; appends to `out`.
+/// Does the work of search() for any k, even 0; appends to `out`.
 std::uint32_t search_plainly(const CellQuery& query, const CellSubset& points, std::uint64_t most,
                              SearchScratch& scratch, CellNeighbors& out);
 
@@ -142,12 +148,12 @@ inline Candidate candidate_from(const CellDirectory& directory, NeighborRef ref,
 void order_runs(const CellDirectory& directory, Vec3 p, std::uint64_t close_to_next, NeighborRef* refs);
 
 /// Returns the end of the run of leaves, from `leaf` on, whose points all coincide; returns `leaf` if its points differ
-/// or if it has only one.
+/// or if it has only one point.
 std::uint32_t end_of_copies(const Cell& cell, std::uint32_t leaf);
 
 /// Appends the neighbourhoods of points [first, end), which coincide, to `out`. One search is enough: coincident points
-/// share their k + 1 nearest points, and each point leaves out itself. scratch.near is used as in
-/// search_point_plainly().
+/// share their k + 1 nearest points, and each point leaves out itself. Uses scratch.near as search_point_plainly()
+/// does.
 void search_copies(const CellQuery& query, std::uint32_t first, std::uint32_t end, SearchScratch& scratch,
                    CellNeighbors& out);
 

@@ -22,8 +22,7 @@ namespace pointsweep {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Cuts one cell into leaves. The coordinates and numbers of its points lie in arrays that are partitioned level by
-/// level.
+/// Cuts one cell into leaves. Each halving partitions arrays with the coordinates and numbers of the points.
 class LeafCut {
  public:
   LeafCut(std::span<CutPoint> points, const std::function<std::uint64_t(std::uint32_t)>& row_of)
@@ -79,7 +78,7 @@ class LeafCut {
   }
 
   /// Fills keys_ with distinct keys in the order of the coordinates: the leading bits hold a coordinate as a whole
-  /// number, the others the place in the range. Returns a number above all keys.
+  /// number, the others the place in the range. Returns a number that no key exceeds.
   std::int32_t make_keys(const Side& side, std::size_t first, std::size_t n) {
     const Floats d;
     const Keys di;
@@ -96,8 +95,7 @@ class LeafCut {
     return static_cast<std::int32_t>(std::min(std::int64_t{1} << (kCoordinateBits + bits), std::int64_t{kBeyondKeys}));
   }
 
-  /// Returns a number with exactly `rank` keys below it, by bisection without branches that a processor could
-  /// mispredict.
+  /// Returns a number with exactly `rank` keys below it, by bisection. Vector lanes count the keys without branches.
   std::int32_t select(std::size_t n, std::size_t rank, std::int32_t high) const {
     std::int32_t low = 0;
     for (;;) {
@@ -152,7 +150,7 @@ class LeafCut {
 
   static constexpr int kCoordinateBits = 20;  ///< bits of a coordinate in a key of 31 bits; 11 bits hold the place
   static constexpr std::int32_t kBeyondKeys = 0x7FFFFFFF;
-  /// Least extent of a range that is divided: a smaller extent would overflow the scale of the keys.
+  /// Least extent of a range that is divided: with a smaller extent, the scale of the keys could overflow.
   static constexpr float kLeastExtent = 1e-30f;
 
   const std::span<CutPoint> points_;
@@ -196,7 +194,8 @@ Extent extent_of(std::span<const CutPoint> points) {
   return e;
 }
 
-/// Moves the points for which goes_left() holds to the front, without a branch (Lomuto). Returns their number.
+/// Moves the points for which goes_left() holds to the front, without a branch (Lomuto's scheme). Returns the number of
+/// these points.
 template <class Predicate>
 std::size_t partition_branchless(CutPoint* points, std::size_t n, Predicate goes_left) {
   std::size_t left = 0;
@@ -244,6 +243,7 @@ void select(CutPoint* points, std::size_t n, std::size_t rank, std::size_t axis)
 
 using RowOf = std::function<std::uint64_t(std::uint32_t)>;
 
+/// Cuts points into cells and appends the end of each cell to `begin`.
 class Cutter {
  public:
   Cutter(const RowOf& row_of, std::uint32_t cell_points, std::vector<std::uint32_t>& begin)

@@ -27,8 +27,8 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep {
 namespace HWY_NAMESPACE {
 
-/// Finds the neighbours of the points of one cell. The search for a point p begins with a bound from the point q before
-/// it: the neighbourhood of p ends within the reach of q plus |p - q|.
+/// Finds the neighbours of the points of one cell. The search for the neighbours of a point p begins with a bound from
+/// the point q that was searched before p: the neighbourhood of p ends within the reach of q plus |p - q|.
 class GatheredSearch {
  public:
   GatheredSearch(const CellQuery& query, std::uint64_t most, SearchScratch& scratch, CellNeighbors& out)
@@ -57,7 +57,7 @@ class GatheredSearch {
   }
 
  private:
-  /// Returns the end of the successive indices with which `points` begin, at most `end`.
+  /// Returns the end of the run of successive indices with which `points` begins, at most `end`.
   static std::uint32_t end_of_run(const CellSubset& points, std::uint32_t end) {
     std::uint32_t n = 1;
     while (n < points.size() && points[n] < end && points[n] == points[0] + n) ++n;
@@ -65,8 +65,9 @@ class GatheredSearch {
   }
 
   static constexpr std::uint64_t kDistanceBits = ~std::uint64_t{0} << 32;
-  static constexpr std::size_t kMostCopied = 4096;          ///< most candidates that are copied to be compared exactly
-  static constexpr NeighborRef kNoPoint = ~NeighborRef{0};  ///< a reference to no point: no slot has so many points
+  static constexpr std::size_t kMostCopied = 4096;  ///< largest number of candidates that are copied for sorting
+  static constexpr NeighborRef kNoPoint =
+      ~NeighborRef{0};  ///< the last point of the last possible slot, which never exists
 
   bool unlimited() const { return what_.k == Neighborhood::kUnlimited; }
 
@@ -83,7 +84,7 @@ class GatheredSearch {
   }
 
   /// Searches points [i, end), which are in leaves whose points all coincide. Coincident points share their neighbours,
-  /// and are neighbours of each other. Returns the end of the points that were searched.
+  /// and are neighbours of each other. Returns the index after the last searched point.
   std::uint32_t search_same(std::uint32_t i, std::uint32_t end) {
     if (!unlimited()) {
       const std::uint64_t points = std::max<std::uint64_t>((most_ - out_.refs.size()) / what_.k, 1);
@@ -105,7 +106,8 @@ class GatheredSearch {
     return i;
   }
 
-  /// Searches point `i` plainly. Its reach bounds the reach of the point that is searched next, and so on.
+  /// Searches point `i` in double precision without vector lanes, only to learn the reach of the point: from this
+  /// reach, reach2_after() bounds the reaches of the points of the first leaf.
   void settle_first(std::uint32_t i) {
     search_point_plainly(query_, i, scratch_);
     const std::vector<Candidate>& found = scratch_.best.finish();
@@ -118,15 +120,15 @@ class GatheredSearch {
     settled(i, out_.reach2.back());
   }
 
-  /// Returns a squared distance within which the neighbourhood of every point at most `step` from the point settled
-  /// last ends. The factor covers rounding, and the summand covers squares that underflow.
+  /// Returns a bound of the squared reach of every point whose distance from the point searched last is at most `step`.
+  /// The factor covers rounding, and the summand covers squares that underflow.
   double reach2_after(double step) const {
     const double reach = settled_reach_ + step;
     return std::min(what_.radius2(), reach * reach * (1 + 1e-9) + 1e-300);
   }
 
-  /// Copies all points that the points of a leaf may need into one place, leaf after leaf by distance. Returns false if
-  /// these points lie in more than kMostGathered / 16 leaves.
+  /// Copies all points that may be neighbours of the points of a leaf to scratch_.gathered, the points of the nearest
+  /// leaf first. Returns false if the points would come from more than kMostGathered / 16 leaves.
   bool gather(std::uint32_t leaf) {
     const Box around = box_of(leaf);
     const Vec3 a = around.lo - settled_at_, b = around.hi - settled_at_;
@@ -139,7 +141,8 @@ class GatheredSearch {
     return true;
   }
 
-  /// Finds the leaves within sqrt(reach2) of a box in the cell, nearest first; unordered if there are more than `most`.
+  /// Finds the leaves within sqrt(reach2) of a box in the cell, nearest first. If there are more than `most`, the
+  /// result is incomplete and in no order.
   void find_leaves(const Box& around, double reach2, std::size_t most) {
     // Without a limit k, no later reach exceeds the radius. With a limit k, a look-up within twice the reach saves
     // later look-ups.
@@ -148,8 +151,8 @@ class GatheredSearch {
     collect_near_leaves(query_.directory, scratch_.near.cells, around, reach2, most, all, scratch_.leaves);
   }
 
-  /// Returns the keys of all points within the radius of p except `self`, in order, read directly from the found
-  /// leaves.
+  /// Reads the found leaves and returns the keys of all their points within the radius of p, except `self`, nearest
+  /// first. The lower 32 bits of a key are the NeighborRef.
   std::span<const std::uint64_t> all_within(Vec3 p, NeighborRef self) {
     const hn::CappedTag<double, kLeafCapacity> d;
     const hn::RebindToUnsigned<decltype(d)> du;
@@ -189,7 +192,8 @@ class GatheredSearch {
     for (const std::uint64_t key : keys) out_.refs.push_back(static_cast<NeighborRef>(key));
   }
 
-  /// Reserves room for `more` entries: twice the needed capacity, but at most `most_` unless more is needed.
+  /// Reserves room in out_.refs for `more` entries: twice the needed capacity, but at most `most_` unless more is
+  /// needed.
   void make_room(std::size_t more) {
     const std::size_t needed = out_.refs.size() + more;
     if (needed <= out_.refs.capacity()) return;
@@ -299,8 +303,8 @@ class GatheredSearch {
     return count;
   }
 
-  /// Puts candidates whose distances begin with the same bits into exact order, unless these candidates are beyond the
-  /// end of the list.
+  /// Puts candidates whose keys have the same bits of the distance into exact order, unless these candidates are beyond
+  /// the end of the list, which has `size` entries.
   void settle_ties(Vec3 p, std::size_t count, std::size_t size) {
     std::uint64_t* keys = scratch_.gathered.key.data();
     for (std::size_t begin = 0; begin + 1 < count && begin < size; ++begin) {
@@ -354,8 +358,8 @@ class GatheredSearch {
   const std::uint64_t most_;
   std::uint32_t own_begin_ = 0;  ///< number, among the gathered points, of the first point of the searched leaf
   bool by_bins_ = true;          ///< false after too many neighbours of a point of the leaf have shared bins
-  Vec3 settled_at_;
-  double settled_reach_ = std::numeric_limits<double>::infinity();
+  Vec3 settled_at_;              ///< position of the point searched last
+  double settled_reach_ = std::numeric_limits<double>::infinity();  ///< distance at which its neighbourhood ends
 };
 
 std::uint32_t search_in_gathered(const CellQuery& query, const CellSubset& points, std::uint64_t most,

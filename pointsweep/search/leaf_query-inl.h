@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A group of queries, one per vector lane, against the leaves around them. Included once per instruction set.
+/// Search for the neighbours of a group of points, the queries, one query per vector lane, among the points of the
+/// leaves around the group. Included once per instruction set.
 #if defined(POINTSWEEP_SEARCH_LEAF_QUERY_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_SEARCH_LEAF_QUERY_INL_H_
 #undef POINTSWEEP_SEARCH_LEAF_QUERY_INL_H_
@@ -25,20 +26,21 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = hn::CappedTag<float, kLeafCapacity>;
 using Vec = hn::Vec<Lanes>;
 
-/// Keys are squared distances whose lowest bits hold the number of the candidate, so that selection needs only min and
-/// max.
+/// A key is a squared distance in single precision whose lowest bits are replaced by the number of the candidate, so
+/// that the selection of the nearest candidates needs only min and max.
 inline constexpr std::uint32_t kCandidateBits = 10;
 inline constexpr std::uint32_t kCandidates = 1u << kCandidateBits;
 inline constexpr float kEmptyKey = 1e30f;      ///< key of an empty entry
 inline constexpr float kPadding = 1e16f;       ///< coordinate of padding: its key is above kEmptyKey
-inline constexpr float kFarthest = 1e14f;      ///< coordinates are clamped here: their keys stay below kEmptyKey
+inline constexpr float kFarthest = 1e14f;      ///< limit to which coordinates are clamped: keys stay below kEmptyKey
 inline constexpr float kSmallest = 0x1p-100f;  ///< added to every squared distance, so that keys are normal numbers
 
 /// Bounds of the difference between a key and the squared distance d² in double, if all coordinates are at most m from
 /// the centre:
 ///   |key - d²| <= 2^-12.4 d² + 2^-30 m²
-/// from rounding to single precision (2^-24 m per coordinate; the mixed term 2d·e is at most 2^-14 d² + 2^14 e²) and
-/// from the 10 bits taken by the candidate's number (2^-13). Twice that, rounded up, separates two keys with certainty.
+/// from rounding to single precision (error e of 2^-24 m per coordinate; the mixed term 2d·e is at most 2^-14 d² + 2^14
+/// e²) and from the 10 bits taken by the candidate's number (2^-13). Twice that, rounded up, separates two keys with
+/// certainty.
 inline constexpr float kRelativeMargin = 0x1p-11f;
 inline constexpr float kAbsoluteMargin = 0x1p-28f;
 
@@ -120,7 +122,7 @@ struct Selection {
   }
 };
 
-/// Candidates in single precision around the centre of the query leaf, leaf after leaf.
+/// The candidates, leaf after leaf, in single precision and in the frame of the queries (struct Frame).
 struct Packed {
   HWY_ALIGN float x[kCandidates];
   HWY_ALIGN float y[kCandidates];
@@ -142,7 +144,8 @@ struct LocalBox {
   }
 };
 
-/// The frame of a group of queries: coordinates relative to `center`, times a power of two that makes the leaf about 1.
+/// The frame of a group of queries: coordinates relative to `center`, times a power of two that makes the leaf of the
+/// queries about 1 wide.
 struct Frame {
   Vec3 center;
   double scale;
@@ -186,8 +189,8 @@ HWY_INLINE void pack(const Frame& frame, const Cell& cell, std::uint32_t slot, s
   packed.farthest = std::max(packed.farthest, farthest);
 }
 
-/// Replaces points of the leaf packed last that lie farther than `reach` from the centre by padding. Otherwise one leaf
-/// with outliers, whose box is huge, would reduce the precision for all others.
+/// In the leaf packed last, replaces points with a coordinate beyond ±`reach` by padding. Otherwise one leaf with
+/// outliers, whose box is huge, would reduce the precision for all other leaves.
 HWY_INLINE void leave_out_beyond(float reach, float farthest_of_others, Packed& packed) {
   const std::size_t first = (packed.leaves - 1) * kLeafCapacity;
   packed.farthest = farthest_of_others;
@@ -200,11 +203,11 @@ HWY_INLINE void leave_out_beyond(float reach, float farthest_of_others, Packed& 
   }
 }
 
-/// A group of queries and the candidates that they have found.
+/// A group of queries, one per lane, and the nearest candidates found so far.
 template <std::size_t K>
 struct Group {
   Vec x, y, z;
-  Vec radius_key;  ///< keys above it are outside of the radius of the query
+  Vec radius_key;  ///< keys above this key are outside of the radius of the query
   Selection<K> selection;
 
   HWY_INLINE Vec key_of(Lanes d, const Packed& packed, std::size_t i,
@@ -273,7 +276,7 @@ struct Group {
   }
 
   /// Returns for each lane an upper bound of the squared distance at which the neighbourhood ends; kEmptyKey or more if
-  /// it is unknown.
+  /// that distance is unknown.
   HWY_INLINE Vec reach(Lanes d, float farthest) const {
     const Vec margin = hn::Set(d, farthest * farthest * kAbsoluteMargin);
     const Vec kth = selection.list[K - 1];

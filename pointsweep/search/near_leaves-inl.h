@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The leaves of a cell that are near a box, by their boxes in single precision. Included once per instruction set.
+/// Search for the leaves of a cell that are near a box, by the boxes of the leaves in single precision. Included once
+/// per instruction set.
 #if defined(POINTSWEEP_SEARCH_NEAR_LEAVES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_SEARCH_NEAR_LEAVES_INL_H_
 #undef POINTSWEEP_SEARCH_NEAR_LEAVES_INL_H_
@@ -24,8 +25,9 @@ namespace pointsweep {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A leaf and its squared distance in one number, so that sorting the numbers sorts leaves by distance:
-/// distance (bits of a float) | place of the cell in a list | leaf.
+/// A leaf and its squared distance in one number, so that sorting the numbers sorts leaves by distance. Bits 32 to 63
+/// hold the squared distance as a float, bits 8 to 31 the place of the cell in NearCells::cells, bits 0 to 7 the number
+/// of the leaf in the cell.
 struct NearLeaf {
   static std::uint64_t key(float distance2, std::size_t place, std::uint32_t leaf) {
     std::uint32_t bits;
@@ -43,12 +45,12 @@ struct NearLeaf {
 };
 static_assert(kCellCapacity / kLeafCapacity <= 256);
 
-/// Returns the smallest squared distance in single precision that surely exceeds `reach2`. A margin covers the rounding
-/// of the distances, even of denormal ones.
+/// Returns a limit for the squared distances of leaves in single precision: a leaf above the limit is surely farther
+/// away than sqrt(reach2). The margin covers the rounding of the distances, even of denormal distances.
 inline float not_near(double reach2) { return static_cast<float>(reach2 * (1 + 1e-6)) + 0x1p-140f; }
 
-/// Calls found(distance2, leaf) for the leaves of `cell` within sqrt(reach2) of `box`; distance2 is in single
-/// precision, to be compared with not_near() only.
+/// Calls found(distance2, leaf) for all leaves of `cell` within sqrt(reach2) of `box`, and for some leaves slightly
+/// farther away. distance2 is rounded to single precision; compare it only with not_near().
 template <class Found>
 HWY_INLINE void find_near_leaves(const Cell& cell, const Box& box, double reach2, Found found) {
   const hn::CappedTag<float, kLeafCapacity> d;
@@ -76,7 +78,7 @@ HWY_INLINE void find_near_leaves(const Cell& cell, const Box& box, double reach2
     hn::StoreMaskBits(d, near, mask);
     for (std::uint32_t bits = mask[0] | std::uint32_t{mask[1]} << 8; bits != 0; bits &= bits - 1) {
       const auto lane = static_cast<std::uint32_t>(__builtin_ctz(bits));
-      if (l + lane >= cell.leaf_count()) break;  // padding: near only for an infinite reach
+      if (l + lane >= cell.leaf_count()) break;  // the boxes of padding are near only for an infinite reach
       found(d2s[lane], l + lane);
     }
   }

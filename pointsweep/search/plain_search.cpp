@@ -40,9 +40,10 @@ void search_leaf(const Cell& cell, std::uint32_t slot, std::uint32_t leaf, Vec3 
 /// only the last bits of the subtraction of the origin can make the distance too large.
 constexpr double kSafety = 1 - 1e-12;
 
-/// Returns whether points with this lowest row may belong to the list. Points at several places always may. Points that
-/// are all at the place of point `first` are skipped once the list holds k points nearer than the point with the lowest
-/// row, so that a million copies of one point cost little.
+/// Returns whether the points of a leaf or cell that begins with point `first` may belong to the list. `lowest_row` is
+/// kSeveralPlaces, for which the answer is true, or the lowest row of points that are all at one place. Once the list
+/// holds k points nearer than the point with that row, these points are skipped, so that a million copies of one point
+/// cost little.
 bool wants_place(const Cell& cell, std::uint32_t first, std::uint64_t lowest_row, Vec3 p, const BestList& best) {
   if (lowest_row == Cell::kSeveralPlaces) return true;
   const Vec3 place = cell.position(first);
