@@ -67,9 +67,9 @@ void add_format_option(CLI::App& verb, std::string& format);
 void add_stream_options(CLI::App& verb, CommonOptions& options);
 /// Meaning of --keep A,B,... for the help.
 inline constexpr const char* kKeepMeaning =
-    "Write only these attributes, by name or by column, e.g. normal or x,y,z,intensity,nx, in this order, but for LAS. "
-    "Where no computed attribute "
-    "is named, all of them are written; where none of the input is named, all of those (default: all)";
+    "Write only these attributes, by name or by column, e.g. normal or x,y,z,intensity,nx; x, y and z are always "
+    "written. Columns have the order of this list, except in LAS files. A list without computed attributes keeps all "
+    "computed attributes; a list without attributes of the input keeps all attributes of the input (default: all)";
 void add_keep_option(CLI::App& verb, std::vector<std::string>& keep, const char* meaning);
 /// Adds --dry-run.
 void add_dry_run_option(CLI::App& verb, CommonOptions& options);

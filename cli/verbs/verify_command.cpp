@@ -83,11 +83,11 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
       "--checksums", [&command] { command.checksums = Checksums::show; },
       "Also show a checksum of the values of each attribute, which does not depend on the order of rows");
   add_named_options(verb, command.common, {"axis", "nonfinite"});
-  add_run_option(verb, command.common, "prefix", "The --prefix of the run");
-  add_run_option(verb, command.common, "decimals", "The --decimals of the run");
-  add_run_option(verb, command.common, "positions", "The --positions of the run");
-  for (const char* name : {"tile", "tile_origin", "tile_buffer", "split"})
-    add_run_option(verb, command.common, name, "The same of the run, where the files have no record of it");
+  for (const char* name : {"prefix", "decimals", "positions", "tile", "tile_origin", "tile_buffer", "split"}) {
+    const std::string meaning =
+        fmt::format("The {} of the run (default: as recorded in the output)", run_option(name).flag);
+    add_run_option(verb, command.common, name, meaning.c_str());
+  }
 }
 
 }  // namespace
@@ -99,7 +99,8 @@ void declare_verify_verb(CLI::App& verb) {
   verb.add_option("--pipeline", command->check.pipeline,
                   "The pipeline of the run (default: the record in the output, or guessed from its attributes)")
       ->type_name("TEXT|FILE");
-  add_keep_option(verb, command->check.keep, "The --keep of the run (default: all attributes)");
+  add_keep_option(verb, command->check.keep,
+                  "The --keep of the run (default: as recorded in the output, or all attributes)");
   add_check_options(verb, *command);
   add_run_option(verb, command->common, "memory",
                  "Memory for the neighbours of the sample; a larger sample is checked in several passes (default: 1G)");

@@ -8,7 +8,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::array kColors{"red", "green", "blue"};
-constexpr double kSixteenOfEight = 257;
+constexpr double kSixteenOfEight = 257;  ///< 65535 / 255
 
 bool is_plain_color(const Schema& schema, const char* name, Type type) {
   const auto at = schema.find(name);

@@ -11,10 +11,10 @@ namespace {
 
 constexpr std::array<double, kMostDecimals + 1> kPowers{1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
 
-constexpr std::uint64_t kFewValues = 100;  ///< number of values below which a common divisor may be chance
+constexpr std::uint64_t kFewValues = 100;  ///< fewer values than this may share a divisor by chance
 
-/// Returns the float64 nearest to `value` rounded to `decimals` decimals. The quotient of two whole numbers below 2^53
-/// is rounded once, so that it is the float64 nearest to the fraction.
+/// Returns the float64 nearest to `value` rounded to `decimals` digits after the point. Numerator and denominator are
+/// whole numbers, exact below 2^53, and only the division rounds; so the result is the float64 nearest to the fraction.
 double nearest(double value, int decimals) {
   const double power = kPowers[static_cast<std::size_t>(decimals)];
   return std::nearbyint(value * power) / power;

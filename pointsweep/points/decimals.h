@@ -17,38 +17,41 @@ inline constexpr int kMostDecimals = 9;
 /// float64 nearest to a decimal fraction; nullopt if there is no such number.
 std::optional<int> decimals_of(double value);
 
-/// The largest step of which all values of a cloud are multiples: 0.01, or 0.00025, which text represents with five
-/// digits.
+/// Finds a step of which all added values are multiples, such as 0.01 or 0.00025. LAS outputs take the step of float64
+/// coordinates as their scale.
 class CommonStep {
  public:
-  /// Adds a finite value. Returns false if `value` is not a decimal fraction of up to kMostDecimals digits.
+  /// Adds a finite value. Returns false if `value` is not a decimal fraction of up to kMostDecimals digits; size() then
+  /// has no meaning.
   bool take(double value);
   bool empty() const { return values_ == 0; }
-  /// Returns a step of at most 1: with fewer than 100 values, a power of ten that follows from their digits; otherwise,
-  /// the largest divisor of 1 of which all values are multiples.
+  /// Returns 10^-d, where d is the largest number of digits after the decimal point of a value. From 100 values on,
+  /// returns the largest step of the form 1/n of which all values are multiples, if all values are below 2^53 * 10^-d.
   double size() const;
 
  private:
   std::uint64_t values_ = 0;
   int decimals_ = 0;         ///< largest number of digits after the decimal point of a value
-  std::int64_t common_ = 1;  ///< greatest common divisor of 10^decimals_ and of all values times 10^decimals_
+  std::int64_t common_ = 1;  ///< greatest common divisor of 10^decimals_ and all values * 10^decimals_
 };
 
-/// Restores the decimal numbers of a field whose scale and bias are decimal fractions: raw * scale + bias, computed in
-/// float64, may differ from the decimal number in the last digits.
+/// Restores the decimal numbers of an integer field whose scale is a decimal fraction, such as 0.01. A value computed
+/// as raw * scale + bias in float64 may differ in its last bits from the float64 nearest to the decimal number.
 class GridDecimals {
  public:
   explicit GridDecimals(const Field& field);
-  /// Returns the float64 nearest to a decimal number with as many digits as the scale or the bias, if `value` differs
-  /// from it by at most 4 epsilon (|value| + |bias|), the rounding of raw * scale + bias; else returns `value`.
+  /// Returns the float64 nearest to the decimal number that has as many digits after the point as the scale or the
+  /// bias, if `value` is at most 4 epsilon (|value| + |bias|) from it, a bound of the rounding errors of raw * scale +
+  /// bias. Otherwise returns `value`.
   double of(double value) const;
   /// Returns whether of() may change a value.
   bool any() const { return decimals_[0] || decimals_[1]; }
 
  private:
-  /// Digits after the decimal point: of the scale, and of the bias if it has more; absent values are not tried.
+  /// Number of digits after the decimal point of the scale, then of the bias if the bias has more. of() tries both
+  /// numbers in this order and skips an absent number.
   std::array<std::optional<int>, 2> decimals_;
-  double bias_;
+  double bias_;  ///< absolute value of the bias
 };
 
 }  // namespace pointsweep

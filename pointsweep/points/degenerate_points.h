@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The points that have no result because their data define none: in one batch, and their rows over any number of
-/// batches.
+/// Degenerate points, for which an operator has no result because their data define none (coincident points, for
+/// example, define no normal): a set of the points of one batch, and the rows of the points of many batches.
 #pragma once
 
 #include <bit>
@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// A set of indices of points, with one bit for each point. An empty set takes no heap memory.
+/// The indices of the degenerate points in one batch, as one bit for each point. An empty set takes no heap memory.
 class DegeneratePoints {
  public:
   /// Adds point `i` of the batch to the set. A point may be added again.
@@ -36,31 +36,32 @@ class DegeneratePoints {
   std::vector<std::uint64_t> words_;
 };
 
-/// The number of rows that were added, and the lowest of these rows. Both depend neither on the order in which rows are
-/// added, nor on the division of rows among objects that are later added to each other. Every row may be added once.
+/// The number of rows that were added, and the lowest kMostListed of these rows. Both depend neither on the order in
+/// which rows are added, nor on the division of rows among objects that are later added to each other. No row may be
+/// added twice.
 class DegenerateRows {
  public:
   static constexpr std::uint64_t kMostListed = 1000;
 
   DegenerateRows() = default;
-  /// Restores a set of `count` rows. `lowest`: its lowest rows, at most kMostListed.
+  /// Restores the state with `count` added rows from a checkpoint. `lowest`: the result of lowest().
   DegenerateRows(std::uint64_t count, std::vector<std::uint64_t> lowest);
 
   void add(std::uint64_t row);
   void add(const DegenerateRows& others);
 
   std::uint64_t count() const { return count_; }
-  /// Returns the lowest rows, ascending; at most kMostListed.
+  /// Returns the lowest rows in ascending order, at most kMostListed.
   std::vector<std::uint64_t> lowest() const;
 
  private:
   void keep(std::uint64_t row);
 
   std::uint64_t count_ = 0;
-  std::vector<std::uint64_t> heap_;  ///< heap of the lowest rows, with the greatest of them in front
+  std::vector<std::uint64_t> heap_;  ///< max-heap of the lowest rows: the greatest of them is in front
 };
 
-/// Adds the rows of each stage in `from` to the rows of this stage in `to`, which grows to the length of `from`.
+/// Adds from[s], the rows of stage s, to to[s] for each stage of `from`. `to` grows if `from` has more stages.
 void add_rows(std::vector<DegenerateRows>& to, const std::vector<DegenerateRows>& from);
 
 }  // namespace pointsweep

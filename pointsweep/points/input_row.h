@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: MIT
-/// The number of a point's row in the inputs, as the last field of a record. Conditions and assignments read this
-/// number as `row`.
+/// An additional u64 field of records, with the number of the point's row in the inputs, from 0. The conditions of
+/// `where` and the assignments of `set` read this number as `row`.
 #pragma once
 
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 
-/// The word that stands for the row in conditions and assignments.
+/// The word that stands for the row number in conditions and assignments.
 inline constexpr const char* kRowWord = "row";
-/// The name of the field of the row. It cannot be written in an expression, and differs from the attribute `row` of PTX
-/// and E57 files.
+/// The name of the field. Since the name contains blanks, users cannot write it in an expression, and it differs from
+/// the attribute `row` of PTX and E57 files.
 inline constexpr const char* kInputRow = "row of the input";
 
 bool has_input_row(const Schema& schema);
-/// Returns the schema with the field of the row appended.
+/// Returns `schema` with the field of the row number appended, unless `schema` has this field.
 Schema with_input_row(Schema schema);
-/// Returns the schema without the field of the row. The stride shrinks if the bytes of this field are the last.
+/// Returns `schema` without the field of the row number. The stride shrinks if this field is at the end of the record.
 Schema without_input_row(Schema schema);
 
 }  // namespace pointsweep

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Names in lower case, to be compared without regard to the case of ASCII letters, independent of the locale; and the
-/// characters of texts in UTF-8.
+/// Conversion of names to lower case, for comparisons that ignore the case of ASCII letters in every locale; and the
+/// first character of a UTF-8 text.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ inline std::string in_lower_case(std::string_view text) {
   return lower;
 }
 
-/// Returns the first character of a text in UTF-8, which may take several bytes; "" for an empty text.
+/// Returns the bytes of the first character of a UTF-8 text; "" for an empty text.
 inline std::string_view first_character(std::string_view text) {
   std::size_t bytes = text.empty() ? 0 : 1;
   while (bytes < text.size() && (static_cast<unsigned char>(text[bytes]) & 0xc0) == 0x80) ++bytes;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Copies of parts of records into records of another layout, bit for bit, and copies of pieces whose size is known
-/// only at run time, as fast as with a size known at compile time.
+/// Copies parts of records bit for bit into records of another layout. The loops over records are compiled once for
+/// each usual size of a part, because a copy of constant size needs no call of memcpy.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace pointsweep {
 
-/// Copies `Bytes` bytes, or `bytes` if `Bytes` is 0.
+/// Copies `Bytes` bytes, or `bytes` bytes if `Bytes` is 0.
 template <std::size_t Bytes>
 inline void copy_bytes(std::byte* to, const std::byte* from, std::size_t bytes) {
   if constexpr (Bytes != 0)
@@ -40,13 +40,14 @@ void with_fixed_size(std::size_t bytes, Loop&& loop) {
   loop(std::integral_constant<std::size_t, 0>());
 }
 
+/// A list of parts of a source record, each with its place in a target record.
 class RecordMap {
  public:
   /// Adds a part to be copied: `bytes` bytes, from offset `from` of a source record to offset `to` of a target record.
-  /// Parts that lie side by side in both records become one part.
+  /// A part that directly follows the part added before, in both records, is joined to that part.
   void add(std::size_t from, std::size_t to, std::size_t bytes);
-  /// Appends `field` with its storage to the schema `to` of the target records, without a gap, and adds its bytes as a
-  /// part.
+  /// Appends `field`, with its type, scale, bias and bits, to the end of the schema `to` of the target records, and
+  /// adds the bytes of `field` as a part.
   void append(Field field, Schema& to);
 
   /// Copies the parts of one record.

@@ -13,7 +13,7 @@
 namespace pointsweep {
 namespace {
 
-/// Number of records that stay in the first-level cache while they are visited once for each coordinate.
+/// Number of records that stay in the L1 cache while the coordinates are decoded one after another.
 constexpr std::size_t kBlock = 256;
 
 template <class T>
@@ -28,7 +28,8 @@ void decode_plain(const std::byte* at, std::size_t stride, std::size_t count, do
   for (std::size_t i = 0; i < count; ++i) out[i] = load<T>(at + i * stride);
 }
 
-/// Decodes values as raw * scale + bias, with a rounded multiplication and a rounded addition.
+/// Decodes values as raw * scale + bias. Multiplication and addition round separately, as in value_of(): a fused
+/// multiply-add would give other bits.
 template <class T>
 void decode_scaled(const std::byte* at, std::size_t stride, std::size_t count, double scale, double bias, double* out) {
   for (std::size_t i = 0; i < count; ++i) out[i] = load<T>(at + i * stride) * scale + bias;
@@ -66,14 +67,14 @@ const Field* counterpart(const Schema& from, const Schema& to, std::size_t index
   return nullptr;
 }
 
-/// Returns whether both fields store values in the same way, though perhaps arrays of different lengths.
+/// Returns whether a value has the same bytes in both fields, which may hold arrays of different lengths.
 bool same_storage(const Field& a, const Field& b) {
   return a.type == b.type && a.bit_width == 0 && b.bit_width == 0 && a.scale == b.scale && a.bias == b.bias;
 }
 
 std::uint32_t bytes_of(const Field& field) { return static_cast<std::uint32_t>(size_of(field.type)) * field.count; }
 
-/// Returns the first `count` bytes of the field as an array, so that adjacent fields can be copied at once.
+/// Returns a field of the first `count` bytes of `field`, so that the copies of adjacent fields can be joined.
 Field as_bytes(const Field& field, std::uint32_t count) {
   Field bytes;
   bytes.type = Type::u8;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Boxes that a file states for the points of consecutive rows.
+/// Bounding boxes that a file states for the points of consecutive rows.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,8 @@
 
 namespace pointsweep {
 
-/// The rows [first_row, first_row + rows) and a stated box of their points, which may be wrong.
+/// The rows [first_row, first_row + rows) and the box that the file states for their points. The box is not checked:
+/// points may lie outside.
 struct RowBox {
   std::uint64_t first_row = 0, rows = 0;
   Box box;

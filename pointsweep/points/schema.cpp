@@ -23,7 +23,7 @@ std::uint64_t mask_of(const Field& field) {
   return field.bit_width >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << field.bit_width) - 1;
 }
 
-/// Returns the nearest integer that T can hold; 0 for NaN.
+/// Returns the integer of type T that is nearest to `value`; 0 for NaN.
 template <class T>
 T saturate(double value) {
   if (std::isnan(value)) return 0;
@@ -47,12 +47,12 @@ double load_value(const Field& field, const std::byte* at) {
   return field.scale == 1 && field.bias == 0 ? bits : bits * field.scale + field.bias;
 }
 
-/// Returns the stored number, not yet rounded, that stands for `value`.
+/// Returns the number, not yet rounded, with which `field` stores `value`.
 double raw_number(const Field& field, double value) {
   return field.scale == 1 && field.bias == 0 ? value : (value - field.bias) / field.scale;
 }
 
-/// Replaces the bits of the field and keeps the other bits of its word.
+/// Returns the word `old` with `bits`, rounded and saturated, in the bits of `field`.
 template <class T>
 T with_bits(const Field& field, T old, double bits) {
   using Word = std::make_unsigned_t<T>;
@@ -81,7 +81,7 @@ void store_value(const Field& field, std::byte* at, double value) {
 template <class T>
 bool is_in_range(const Field& field, double rounded) {
   if (field.bit_width != 0) return rounded >= 0 && rounded <= static_cast<double>(mask_of(field));
-  // No double is the largest 64-bit integer: conversion to double adds one.
+  // The largest 64-bit integer is not a double: its conversion rounds up to the next integer, which is out of range.
   constexpr auto kMost = static_cast<double>(std::numeric_limits<T>::max());
   const bool below = sizeof(T) < 8 ? rounded <= kMost : rounded < kMost;
   return rounded >= static_cast<double>(std::numeric_limits<T>::min()) && below;

@@ -15,9 +15,9 @@ class Scratch {
   virtual ~Scratch() = default;
   /// Appends bytes. Throws Error if the disk is full.
   virtual void append(std::span<const std::byte> bytes) = 0;
-  /// Fills `bytes` with appended bytes from `offset` on.
+  /// Reads the stored bytes from `offset` on into `bytes`.
   virtual void read(std::uint64_t offset, std::span<std::byte> bytes) const = 0;
-  /// Overwrites appended bytes from `offset` on.
+  /// Overwrites the stored bytes from `offset` on with `bytes`.
   virtual void replace(std::uint64_t offset, std::span<const std::byte> bytes) = 0;
 };
 

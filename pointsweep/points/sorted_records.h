@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Sorts any number of records of one size: sorts runs that fit in memory, then merges the runs.
+/// External merge sort: sorts runs of records in memory, writes them to a Scratch, and merges the runs.
 #pragma once
 
 #include <algorithm>
@@ -17,16 +17,17 @@
 
 namespace pointsweep {
 
-/// A sorter of records. `Less` is a total order of the records.
+/// Sorts records: add() takes each record, then finish() is called once, then next() returns the records in order. If
+/// all records fit in memory, no Scratch is made. `Less` is a total order of the records.
 template <class Record, class Less>
 class SortedRecords {
  public:
-  /// Makes a sorter for at most `count` records.
+  /// Makes a sorter for at most `count` records, which takes `memory_bytes`, or 4096 records if these are more.
   SortedRecords(MakeScratch make_scratch, std::uint64_t memory_bytes, std::uint64_t count, Less less = {})
       : make_scratch_(std::move(make_scratch)),
         most_(std::max<std::uint64_t>(kLeastRun, memory_bytes / sizeof(Record))),
         less_(less) {
-    // Reserved at once, because growth would need up to three times this memory.
+    // A vector that grows holds its old and its new array at once, up to three times this memory.
     records_.reserve(static_cast<std::size_t>(std::min(most_, count)));
   }
 
@@ -60,10 +61,11 @@ class SortedRecords {
  private:
   static constexpr std::uint64_t kLeastRun = 4096;
   struct Run {
-    std::uint64_t first, end;  ///< range of the run's records in the scratch that are still to be read
-    std::vector<Record> block = {};
-    std::size_t at = 0;
+    std::uint64_t first, end;        ///< range of the run's records in the scratch that are still to be read
+    std::vector<Record> block = {};  ///< records read from the scratch; empty at the end of the run
+    std::size_t at = 0;              ///< index in `block` of the next record
   };
+  /// Returns the order of a heap of runs with the least next record in front.
   auto after() {
     return [this](std::size_t a, std::size_t b) {
       return less_(runs_[b].block[runs_[b].at], runs_[a].block[runs_[a].at]);
@@ -93,7 +95,7 @@ class SortedRecords {
   std::size_t at_ = 0;
   std::unique_ptr<Scratch> scratch_;
   std::vector<Run> runs_;
-  std::vector<std::size_t> heap_;
+  std::vector<std::size_t> heap_;  ///< indices of the runs that are not yet merged to their end
 };
 
 }  // namespace pointsweep

@@ -9,9 +9,9 @@
 namespace pointsweep {
 namespace {
 
-/// Spellings of each attribute: first the library's own name, then other names, best first. All are in lower case,
-/// since case does not count. CloudCompare puts `scalar_` before the names of its scalar fields; `diffuse_` comes from
-/// older PLY exporters.
+/// Spellings of each field: first the library's own name, then other names in the order in which Schema::find() tries
+/// them. All are in lower case, since comparisons ignore case. CloudCompare puts `scalar_` before the names of its
+/// scalar fields; `diffuse_` comes from older PLY exporters.
 using Row = std::array<std::string_view, 7>;
 constexpr Row kRows[] = {
     {"nx", "normal_x", "normalx", "normal x", "normal.x"},
@@ -35,8 +35,8 @@ constexpr Row kRows[] = {
     {"surface_variation", "curvature", "scalar_surface_variation", "scalar_curvature"},
 };
 
-/// Words of PDAL, laspy and lasR for fields of LAS, after the library's own name. Users may write them in conditions
-/// and options. Readers do not rename a column of a file that has such a name.
+/// Names of PDAL, laspy and lasR for fields of LAS, each row after the library's own name. Users may write these names
+/// in conditions and options. Readers do not rename a column of a file that has one of these names.
 constexpr Row kWordsOfUsers[] = {
     {"classification", "raw_classification"},
     {"return_number", "return_num"},
@@ -51,7 +51,7 @@ constexpr Row kWordsOfUsers[] = {
     {"nir", "infrared"},
 };
 
-/// Returns the library's own name for the attribute that a user calls `word`.
+/// Returns the library's own name for the field that a user calls `word`; `word` in lower case if it is unknown.
 std::string meaning_of(std::string_view word) {
   const std::string name = library_name_of(word);
   for (const Row& row : kWordsOfUsers)

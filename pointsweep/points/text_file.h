@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Small text files that options of operators name.
+/// Reading of small text files that users name in options of operators, such as polygons or a matrix.
 #pragma once
 
 #include <string>
@@ -14,11 +14,11 @@ inline std::string_view without_byte_order_mark(std::string_view text) {
   return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
 }
 
-/// Returns the whole content of a file, without a byte order mark. `holds` tells in messages what the file should hold:
-/// "polygons as WKT or GeoJSON". Throws Error if the file cannot be read or has more than 256 MB.
+/// Returns the whole content of a file, without a byte order mark. `holds`: phrase for the expected content in
+/// messages, such as "polygons as WKT or GeoJSON". Throws Error if the file cannot be read or has more than 256 MB.
 std::string read_text_file(const std::string& path, std::string_view holds);
 
-/// Returns 16 hexadecimal digits that distinguish contents (FNV-1a hash).
+/// Returns the 64-bit FNV-1a hash of `text` as 16 hexadecimal digits.
 std::string checksum_of_text(std::string_view text);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Calls a function template with the C++ type that a Type names at run time.
+/// Dispatch from a Type known at run time to a template for the C++ type.
 #pragma once
 
 #include <cstdint>
