@@ -27,7 +27,7 @@ class SortedRecords {
       : make_scratch_(std::move(make_scratch)),
         most_(std::max<std::uint64_t>(kLeastRun, memory_bytes / sizeof(Record))),
         less_(less) {
-    // A vector that grows holds its old and its new array at once, up to three times this memory.
+    // The memory is reserved at once, because a growing vector holds its old and its new array: three times as much.
     records_.reserve(static_cast<std::size_t>(std::min(most_, count)));
   }
 
