@@ -30,20 +30,21 @@ std::size_t block_bytes(const CountedSlabs& slabs, std::size_t record_bytes) {
   return waiting_block_bytes(largest, record_bytes);
 }
 
-/// Memory of one thread for sorting the records of a block by slab.
+/// Buffers in which one thread sorts the records of a block by slab.
 struct Partition {
   Partition(const PointSource& source, const std::vector<std::size_t>& wanted) : rows(source, wanted) {}
 
   BlockReader rows;
-  std::vector<std::uint32_t> slab, place;  ///< for each record
+  std::vector<std::uint32_t> slab, place;  ///< of each record: slab after the block's first slab, place in `sorted`
   std::vector<std::uint32_t> begin;        ///< for each slab of the block, its first record in `sorted`
   std::vector<std::byte> sorted;
 };
 
-/// Consecutive records of one block: their rows ascend, but blocks come in any order.
+/// Consecutive records of a slab that come from one SlabBlock. Rows ascend within a run. The runs of a slab stand in
+/// the order in which threads have decoded the blocks.
 struct BlockRun {
   std::uint64_t first_row;
-  std::size_t begin, end;  ///< range of bytes in the records
+  std::size_t begin, end;  ///< range of bytes in the records of the slab
 };
 
 /// Returns the runs of `records`, ascending by row. `blocks` ascend by row.
@@ -82,7 +83,8 @@ std::size_t waiting_block_bytes(std::uint64_t slab_points, std::size_t record_by
 }
 
 std::uint64_t most_waiting(const CountedSlabs& slabs, std::size_t ahead) {
-  std::vector<std::uint64_t> decoded(slabs.points.size() + 1);  // points of the blocks that begin with each slab
+  // For each slab, the number of points of the blocks whose first slab it is.
+  std::vector<std::uint64_t> decoded(slabs.points.size() + 1);
   for (const SlabBlock& block : slabs.blocks) decoded[block.first_slab] += block.rows;
   std::uint64_t most = 0, read = 0, handed_over = 0;
   std::size_t next = 0;
@@ -123,8 +125,8 @@ class SlabsOnDemand::State {
   }
 
  private:
-  /// Marks the slab as begun and returns true if it lies within the read-ahead and was not begun before. Such a slab is
-  /// read in order; every other read makes the slab again.
+  /// Returns true, and marks the slab as begun, if this is a read in order: the first read of a slab within the
+  /// read-ahead. A read in order takes the waiting points; any other read decodes the blocks of the slab again.
   bool begin(std::size_t slab) {
     const std::lock_guard lock(mutex_);
     if (begun_[slab] || slab >= next_slab_ + ahead_) return false;
@@ -141,7 +143,8 @@ class SlabsOnDemand::State {
     if (--left_ == 0) waiting_.reset();
   }
 
-  /// Decodes the blocks that no other thread has taken, one by one, and then waits for the other threads.
+  /// Decodes, one by one, the blocks with a first slab up to `slab` that no thread has taken. Then waits until other
+  /// threads have decoded the blocks that they have taken.
   void decode_blocks_of(std::size_t slab) {
     std::unique_lock lock(mutex_);
     for (;;) {
@@ -189,7 +192,7 @@ class SlabsOnDemand::State {
     give_back(std::move(p));
   }
 
-  /// Sorts the records by slab with a counting sort, which keeps rows ascending.
+  /// Makes the working records of the block, sorted by slab with a counting sort, which keeps rows ascending.
   void find_slabs(const SlabBlock& block, Partition& p) const {
     const std::size_t n = block.rows, slabs = block.last_slab - block.first_slab + std::size_t{1};
     p.slab.resize(n);
@@ -219,7 +222,8 @@ class SlabsOnDemand::State {
     copy_by_row(record_.schema(), records, slabs_.blocks, out);
   }
 
-  /// Slabs that were made again. They stay in memory until other slabs are made again.
+  /// Adjacent slabs [first, end) whose blocks were decoded again. The slabs stay in memory until a read of another slab
+  /// decodes blocks again.
   struct Again {
     Again(std::size_t from, std::size_t to, std::size_t record_bytes, std::size_t block_bytes)
         : first(from), end(to), slabs(to - from, record_bytes, block_bytes, nullptr) {}
@@ -249,8 +253,9 @@ class SlabsOnDemand::State {
     again_ = std::move(made);
   }
 
-  /// Returns the range of slabs around `slab` that fits in memory, half of it on each side. While points wait for slabs
-  /// that are read in order, the range is `slab` alone, since the waiting points use the memory.
+  /// Returns the range of slabs around `slab` that fits in memory, with up to most_points_ / 2 points on each side.
+  /// While points wait for slabs that are read in order, the range is `slab` alone, since the waiting points use the
+  /// memory.
   std::pair<std::size_t, std::size_t> slabs_around(std::size_t slab) const {
     std::size_t first = slab, end = slab + 1;
     {
@@ -291,16 +296,16 @@ class SlabsOnDemand::State {
   const std::uint64_t most_points_;
   const std::size_t block_bytes_;
 
-  mutable std::mutex mutex_;             ///< guards the members up to free_, except the lists of waiting_
-  std::condition_variable decoded_;      ///< notified when a block was decoded, or its decoding failed
-  std::vector<std::uint32_t> by_slab_;   ///< blocks, ascending by first slab
-  std::size_t next_block_ = 0;           ///< index in by_slab_ of the first block that is not yet taken
-  std::vector<std::uint32_t> decoding_;  ///< first slabs of the blocks that are being decoded
-  std::exception_ptr failure_;           ///< error of a thread that decoded a block for all
-  std::vector<bool> begun_;              ///< for each slab, true if it was begun in order
-  std::size_t next_slab_ = 0;            ///< the first slab that has not been begun
-  std::size_t left_;                     ///< slabs that have not been returned in order
-  std::optional<SlabStore> waiting_;     ///< waiting points by slab, until all slabs have been returned in order
+  mutable std::mutex mutex_;                      ///< guards the members up to free_, except the lists of waiting_
+  std::condition_variable decoded_;               ///< notified when a thread has decoded a block or has failed to
+  std::vector<std::uint32_t> by_slab_;            ///< indices of the blocks, ascending by first slab
+  std::size_t next_block_ = 0;                    ///< index in by_slab_ of the first block that no thread has taken
+  std::vector<std::uint32_t> decoding_;           ///< first slabs of the blocks that threads are decoding
+  std::exception_ptr failure_;                    ///< error in decoding a block; all later reads in order throw it
+  std::vector<bool> begun_;                       ///< for each slab, whether its read in order has begun
+  std::size_t next_slab_ = 0;                     ///< the first slab whose read in order has not begun
+  std::size_t left_;                              ///< number of slabs whose read in order has not ended
+  std::optional<SlabStore> waiting_;              ///< waiting points by slab; empty when all reads in order have ended
   std::vector<std::unique_ptr<Partition>> free_;  ///< partitions that no thread uses now
   std::mutex again_mutex_;                        ///< guards again_
   std::shared_ptr<Again> again_;
@@ -331,7 +336,7 @@ std::uint64_t estimate_waiting(std::span<const RowBox> boxes, int axis, std::spa
   std::size_t next = 0;
   for (std::uint64_t handed_over = 0; handed_over < points; handed_over += slab_points) {
     const std::uint64_t read = handed_over + slab_points * std::max<std::size_t>(ahead, 1);
-    // The front of decoding: all boxes that begin before it are decoded.
+    // Boxes are decoded if they begin before the end of the slabs being made, estimated as a quantile of the sample.
     const double share = static_cast<double>(read) / static_cast<double>(points);
     const auto at = static_cast<std::size_t>(share * static_cast<double>(along.size()));
     for (; next < begins.size() && (at >= along.size() || begins[next].first <= along[at]); ++next)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Slabs that are made from the input when they are read, without a distribution pass, and the number of points that
-/// wait in memory meanwhile.
+/// Slabs (stream.h) that are made from the input when they are read, without a distribution pass, and the number of
+/// points that are decoded too early and wait in memory for their slabs.
 #pragma once
 
 #include <cstddef>
@@ -27,28 +27,29 @@ struct SlabBlock {
 
 /// The slabs and their blocks, after all points have been counted.
 struct CountedSlabs {
-  std::vector<Splitters> splitters;  ///< one for all places, or one for dense and one for sparse places
-  LocalSpacing spacing;              ///< knows the sparse places; used if there are two Splitters
-  std::vector<std::uint32_t> slab_of_piece;
-  std::vector<std::uint64_t> points;  ///< for each slab
-  std::vector<SlabBlock> blocks;      ///< ascending by first row; blocks without points are left out
+  std::vector<Splitters> splitters;          ///< one for all points, or one for dense and one for sparse places
+  LocalSpacing spacing;                      ///< tells which places are sparse; used if there are two Splitters
+  std::vector<std::uint32_t> slab_of_piece;  ///< ~0 for a piece without points
+  std::vector<std::uint64_t> points;         ///< number of points of each slab
+  std::vector<SlabBlock> blocks;             ///< ascending by first row; blocks without points are left out
 };
 
-/// Returns the largest number of points that are decoded and not returned yet, if slabs are read in order, up to
-/// `ahead` of them at once.
+/// Returns the largest number of points that are decoded and not yet returned in a slab, if slabs are read in order, up
+/// to `ahead` slabs at once.
 std::uint64_t most_waiting(const CountedSlabs& slabs, std::size_t ahead);
 
 /// Returns the bytes of a memory block for the waiting points of a slab: small relative to the slab, so that little of
 /// a slab with few waiting points is wasted.
 std::size_t waiting_block_bytes(std::uint64_t slab_points, std::size_t record_bytes);
 
-/// Slabs made while they are read in order: a block of rows is decoded when the first slab that contains one of its
-/// points is read; its points for later slabs wait in memory. To read a slab again, its blocks are decoded again,
-/// together with neighbouring slabs as far as `most_points` allows, since a recall reads neighbouring slabs.
+/// Slabs made while they are read in order: read() decodes a block of rows when the first slab with points of the block
+/// is read; points of later slabs wait in memory. A second read of a slab decodes its blocks again, and makes
+/// neighbouring slabs as well, as far as `most_points` allows, since the recall (sweep/recall.h) reads adjacent slabs.
 class SlabsOnDemand {
  public:
   /// Copies `source`, which must have for_thread(), and borrows `record`. `wanted`: the source fields that working
-  /// records contain; empty: all. At most `ahead` slabs are read concurrently.
+  /// records contain; empty: all. At most `ahead` slabs are read in order at the same time; a read of a later slab
+  /// decodes the blocks of that slab separately.
   SlabsOnDemand(const PointSource& source, const WorkingRecord& record, std::vector<std::size_t> wanted, int axis,
                 CountedSlabs slabs, std::size_t ahead, std::uint64_t most_points);
   ~SlabsOnDemand();
@@ -62,10 +63,10 @@ class SlabsOnDemand {
   std::unique_ptr<State> state_;
 };
 
-/// Returns the largest number of points that are decoded and not yet handed over at any time. Assumes that all rows of
-/// a box are decoded when the sweep reaches the place where the box begins, and that slabs of `slab_points` are handed
-/// over, of which `ahead` are made at once. `sample` is a sample of the points, from which the places of the slabs are
-/// estimated. The result is at most `points`.
+/// Estimates the largest number of points that are decoded and not yet returned in a slab. Assumes that all rows of a
+/// box are decoded when the slabs being made reach the begin of the box along the axis. Slabs have `slab_points`
+/// points, and `ahead` slabs are made at once; quantiles of `sample` tell where slabs end. The result is at most
+/// `points`.
 std::uint64_t estimate_waiting(std::span<const RowBox> boxes, int axis, std::span<const Vec3> sample,
                                std::uint64_t points, std::uint64_t slab_points, std::size_t ahead);
 

@@ -28,7 +28,8 @@ struct PointSource {
   /// only the `wanted` fields, or all fields if `wanted` is empty. Returns an empty function if only one thread at a
   /// time can read.
   std::function<ReadRows(const std::vector<std::size_t>& wanted)> for_thread = {};
-  /// Returns the end of the rows from `row` on that one thread should read, or `row` if the rows may be split anywhere.
+  /// Returns the end of the chunk of rows (compressed together, for example) that one thread should read from `row` on,
+  /// or `row` if the rows may be split anywhere.
   std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};
 };
 
@@ -41,8 +42,8 @@ void read_fully(const PointSource& source, const ReadRows& read, std::uint64_t r
 /// Returns the indices of the fields x, y and z.
 std::vector<std::size_t> position_columns(const Schema& schema);
 
-/// A reader of blocks of rows for one thread, which also decodes their positions. Other threads may read at the same
-/// time.
+/// A reader of blocks of rows for one thread, which also decodes their positions. Other threads may use readers of
+/// their own at the same time.
 class BlockReader {
  public:
   /// `wanted`: the required fields; empty: all. The source must outlive the reader and have for_thread().
@@ -65,8 +66,9 @@ class BlockReader {
   std::vector<double> numbers_;  ///< x, then y, then z
 };
 
-/// Reads a source on all threads, each with its own reader. One reader reads a whole chunk, even if two calls of read()
-/// share the chunk. If only one thread at a time can read the source, one reader reads all rows.
+/// Reads a source on all threads, each with its own reader. One reader reads all rows of a chunk
+/// (PointSource::chunk_end), even if two calls of read() share the chunk. If only one thread at a time can read the
+/// source, one reader reads all rows.
 class ParallelRows {
  public:
   explicit ParallelRows(PointSource source) : source_(std::move(source)) {}
@@ -97,8 +99,8 @@ void for_each_task(std::size_t rows, const Work& work) {
   parallel_for_blocks(rows, kTaskRows, [&](std::size_t first, std::size_t n, unsigned) { work(first, n); });
 }
 
-/// Returns how many rows of `bytes` bytes all threads take at once: about one megabyte of rows, up to four for many
-/// threads.
+/// Returns how many rows of `bytes` bytes all threads together should take at once: about 1 MiB of rows, up to 4 MiB
+/// for many threads.
 std::size_t rows_at_once(std::size_t bytes);
 
 }  // namespace pointsweep

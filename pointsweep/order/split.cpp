@@ -19,9 +19,10 @@ namespace {
 constexpr std::uint64_t kSamplesPerPiece = 64, kLeastSample = 4096;
 constexpr std::size_t kReadBytes = 256 << 10;
 
+/// Splits the pieces of a store until none is too large. A level is the index of a sort key in keys_.
 class Splitting {
   static constexpr std::size_t kRowLevel = 3;
-  using Sample = std::array<std::vector<double>, kRowLevel + 1>;  ///< values of each level
+  using Sample = std::array<std::vector<double>, kRowLevel + 1>;  ///< for each level, the values of its key
 
  public:
   Splitting(const Schema& working, const SplitOptions& options, SlabStore& store)
@@ -36,8 +37,8 @@ class Splitting {
     keys_.push_back(SortKey::row);
   }
 
-  /// Appends `piece`, or the pieces into which it is split, to `done`. For canonical order, all its points must be
-  /// equal in the keys before `level`.
+  /// Appends `piece`, or the pieces into which it is split, to `done`. If options_.canonical, all points of the
+  /// piece must be equal in the keys before `level`.
   void split(const StreamPiece& piece, std::size_t level) {
     stop_if_cancelled();
     if (piece.count == 0) return;
@@ -63,9 +64,9 @@ class Splitting {
     return piece.box.hi[static_cast<int>(keys_[level])];
   }
 
-  /// Returns the level of the coordinate with the widest spread over the middle four fifths of the sample. So a noisy
-  /// wall is not split into sheets thinner than its noise, for any outliers. On a tie, returns the level with the
-  /// longer side of the piece's box.
+  /// Returns the level of the coordinate with the widest spread over the middle four fifths of the sample. So
+  /// outliers cannot cause splits of a noisy wall into sheets thinner than its noise. On a tie, returns the level with
+  /// the longer side of the piece's box.
   std::size_t level_of_widest_spread(const StreamPiece& piece, const Sample& sample) const {
     std::size_t widest = 0;
     std::array<double, 2> most{};
@@ -85,7 +86,7 @@ class Splitting {
     const Splitters splitters(part_limits);
     const std::size_t first = store_.add_slabs(splitters.pieces());
     const auto read = [&](std::uint64_t i, std::span<std::byte> records) {
-      store_.release_before(piece.list, i);  // no record is stored twice
+      store_.release_before(piece.list, i);  // so that no record takes memory or space in the file twice
       store_.read(piece.list, i, records);
     };
     const std::vector<Box> boxes = distribute({.schema = working_,
@@ -109,7 +110,7 @@ class Splitting {
     return parts;
   }
 
-  /// Returns limits that leave points on both sides, so that every split makes progress.
+  /// Returns limits with points of the piece on both sides, so that every split makes progress.
   std::vector<double> limits(const StreamPiece& piece, std::size_t level, std::vector<double> sample) const {
     std::vector<double> result = quantile_limits(sample, parts(piece));
     if (keys_[level] == SortKey::row) return result;  // no two rows are equal, so their quantiles differ
@@ -158,7 +159,7 @@ class Splitting {
   PositionFields position_;
   const SplitOptions& options_;
   SlabStore& store_;
-  std::vector<SortKey> keys_;  ///< the canonical order
+  std::vector<SortKey> keys_;  ///< in canonical order: the axis, the other coordinates, the row
 };
 
 }  // namespace

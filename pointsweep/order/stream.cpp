@@ -19,12 +19,12 @@ namespace pointsweep {
 namespace {
 
 constexpr Encoding kStreamEncoding{"stream", 1};
-constexpr std::size_t kMostPieces = 4096;                           ///< most pieces of one pass
-constexpr std::size_t kFewPieces = 64;                              ///< block sizes allow at least this many pieces
-constexpr std::size_t kSamplesPerSlab = 16;                         ///< fewer samples would make slabs uneven
+constexpr std::size_t kMostPieces = 4096;    ///< most pieces that one pass makes
+constexpr std::size_t kFewPieces = 64;       ///< blocks are small enough for at least this many pieces in the buffers
+constexpr std::size_t kSamplesPerSlab = 16;  ///< fewer samples would make slabs uneven
 constexpr std::size_t kLeastBlock = 8192, kLargestBlock = 1 << 20;  ///< bytes
 
-/// Returns the most points of a slab. Large slabs are split along other axes too if needed, down to one point.
+/// Returns the most points of a slab. Larger slabs are split, along other axes too if needed.
 std::uint64_t most_points(const StreamOptions& options) {
   const std::uint64_t aim = std::max<std::uint64_t>(1, options.slab_points);
   return options.max_slab_points != 0 ? options.max_slab_points : 2 * aim;
@@ -43,7 +43,8 @@ std::size_t block_bytes(const StreamOptions& options, std::size_t pieces, std::s
   return std::clamp<std::size_t>(options.buffer_bytes / 2 / open, kLeastBlock, kLargestBlock);
 }
 
-/// Returns the limits of at most `most` pieces of about `aim` points each. `sample` represents all points.
+/// Returns Splitters for at most `most` pieces of about `aim` points each. A sample point stands for
+/// `points_per_sample` points; `spacing` is the spacing at each sample point.
 Splitters splitters_of(const std::vector<Vec3>& sample, const std::vector<double>& spacing, std::uint64_t aim,
                        std::size_t most, double points_per_sample, const StreamOptions& options) {
   std::vector<double> coordinates;
@@ -57,8 +58,8 @@ Splitters splitters_of(const std::vector<Vec3>& sample, const std::vector<double
   return Splitters(limits);
 }
 
-/// Returns the number of points per slab of sparse places. Such points are few, so larger slabs would save little, and
-/// thin slabs would have leaves that extend across the cloud.
+/// Returns the number of points per slab of sparse places. Points in sparse places are few, so larger slabs would save
+/// little; slabs of fewer points would be so thin that their leaves (of 16 points) would extend across the cloud.
 std::uint64_t sparse_aim(const StreamOptions& options) { return std::min<std::uint64_t>(options.slab_points, 4096); }
 
 /// Returns one Splitters for the whole cloud, or one for its dense part and one for its sparse places.
@@ -80,14 +81,15 @@ std::vector<Splitters> first_splitters(std::uint64_t points, const Survey& surve
   return {splitters_of(sample[0], spacings[0], options.slab_points, rest, each, options), thin};
 }
 
-/// Returns the number of rows that are decoded together. It is small, so that the rows lie close together, but large
-/// enough for efficient reads.
+/// Returns the number of rows that are decoded together. The number is small, so that the rows of a block lie close
+/// together in space, but large enough for efficient reads.
 std::uint64_t block_rows(const PointSource& source, const OnDemandOptions& how) {
   constexpr std::uint64_t kBytes = 512 << 10, kLeastRows = 256, kMostRows = 8192, kMostBlocks = 1 << 18;
   if (how.block_rows != 0) return how.block_rows;
   return std::max(std::clamp(kBytes / source.schema.stride, kLeastRows, kMostRows), source.count / kMostBlocks);
 }
 
+/// A slab and the stored pieces that contain its records.
 struct PiecedSlab {
   Slab slab;
   std::vector<StreamPiece> pieces;
@@ -135,7 +137,7 @@ struct Stream::State {
     split.canonical = options.canonical;
   }
 
-  /// Reads the source once and returns the pieces it is cut into, by splitter.
+  /// Distributes the points of the source among the pieces of the splitters. Returns, for each Splitters, its pieces.
   std::vector<std::vector<StreamPiece>> partition(const PointSource& source, const std::vector<Splitters>& splitters,
                                                   const LocalSpacing& spacing, const StreamOptions& options) {
     std::size_t count = 0;
@@ -143,7 +145,7 @@ struct Stream::State {
     const std::size_t record_bytes = record.schema().stride;
     const std::size_t block = block_bytes(options, count, record_bytes);
     store.emplace(count + 1, record_bytes, block, options.spill);
-    if (options.spill) {  // each piece being filled holds a block
+    if (options.spill) {  // a pass has one block in memory for each piece that it fills
       split.most_pieces = std::clamp<std::size_t>(options.buffer_bytes / 2 / block, 2, split.most_pieces);
     }
     nonfinite_list = count;
@@ -184,8 +186,9 @@ struct Stream::State {
     return pieces;
   }
 
-  /// Joins adjacent pieces that are small together, since cutting a thin slab gives slivers. Pieces of copies of one
-  /// point are not joined, so that they need not wait for slabs around them.
+  /// Joins adjacent pieces that have at most `aim` points together, since the cells of a thin slab would be flat. A
+  /// piece whose points all have one position stays a slab of its own, so that it need not wait for the slabs around
+  /// it.
   static std::vector<PiecedSlab> join(const std::vector<StreamPiece>& pieces, std::uint64_t aim) {
     std::vector<PiecedSlab> slabs;
     bool after_copies = false;
@@ -209,8 +212,9 @@ struct Stream::State {
     merge(join(split_large_pieces(pieces, record.schema(), options, *store), options.aim));
   }
 
-  /// Inserts `others` as late as possible, but before the first slab that extends to the begin of one of them: its
-  /// points would otherwise wait for the few points of `others`. Both lists keep their order.
+  /// Inserts each slab of `others` into `slabs` as late as possible, but before the first slab that reaches the begin
+  /// of this or a later slab of `others`: the points of the first slab would otherwise wait for few points. Both lists
+  /// keep their order.
   void merge(std::vector<PiecedSlab> others) {
     const std::vector<double> begin_of_others = least_begins(others);
     std::vector<PiecedSlab> merged;
@@ -224,7 +228,7 @@ struct Stream::State {
     slabs = std::move(merged);
   }
 
-  /// Returns, by slab, the least coordinate along the axis at which it or any later slab begins.
+  /// Returns, for each slab, the least coordinate along the axis of its points and those of all later slabs.
   std::vector<double> least_begins(const std::vector<PiecedSlab>& of) const {
     std::vector<double> begins(of.size());
     double least = Box::kInf;
@@ -239,7 +243,8 @@ struct Stream::State {
     nonfinite_list = sort_list_by_row(nonfinite_list, record.schema(), by_row, *store);
   }
 
-  /// Returns the slabs made of the counted pieces; or nothing, and the reason in `why_not`.
+  /// Joins the counted pieces into slabs and returns the slabs. If that is not possible, returns nothing, and the
+  /// reason in `why_not`.
   std::optional<CountedSlabs> join_counted(const PieceCounts& counts, const std::vector<Splitters>& splitters,
                                            const StreamOptions& options, std::string& why_not) {
     if (counts.nonfinite > 0) {
@@ -271,7 +276,7 @@ struct Stream::State {
       for (const StreamPiece& piece : slabs[slab].pieces) counted.slab_of_piece[piece.list] = slab;
     }
     for (const RowBlock& block : counts.blocks) {
-      PieceRange in;  // range of slabs, whose numbers ascend with the pieces of each splitter
+      PieceRange in;  // range of slabs; along the pieces of one Splitters, the numbers of the slabs ascend
       for (const PieceRange& range : block.pieces) {
         if (range.empty()) continue;
         in.include(counted.slab_of_piece[range.first]);

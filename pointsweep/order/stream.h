@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The ordered stream: the slabs of a cloud in order, made by the distribution (paper Sections 3 and 7.1).
+/// The ordered stream: the slabs of a cloud in order, made by a distribution pass (distribution.h; paper, Sections 3
+/// and 7.1).
 #pragma once
 
 #include <cstddef>
@@ -23,13 +24,13 @@
 
 namespace pointsweep {
 
-/// A contiguous piece of the stream between two planes; the unit of reading.
+/// A contiguous piece of the stream, roughly the points between two planes across the axis; the unit of reading.
 struct Slab {
   std::uint64_t first = 0;  ///< number of points in the slabs before this slab
   std::uint64_t count = 0;
   Box box;                      ///< tight box of the points, in double precision
   std::uint64_t least_row = 0;  ///< lower bound of the input rows of the points
-  bool is_halo = false;  ///< true in a part of a cloud if the points only serve as neighbours of points of other slabs
+  bool is_halo = false;         ///< true if the points only serve as neighbours of the points of a part (StoredSlabs)
 };
 
 struct StreamOptions {
@@ -39,25 +40,27 @@ struct StreamOptions {
   /// True for slabs in canonical order, which an output in that order needs. False for slabs in the order in which a
   /// sweep should read them.
   bool canonical = true;
-  bool whole_records = false;  ///< working records contain the whole input record instead of the position and `payload`
-  /// True if the records of the source are working records already: the last field of a record is its row. False if the
-  /// place of a record in the source is its row.
+  bool whole_records = false;  ///< working records (working_record.h) contain all fields, not just `payload`
+  /// True if the records of the source are working records already, whose last field is the row. False if the row of a
+  /// record is its place in the source.
   bool numbered = false;
-  std::vector<std::size_t> payload = {};  ///< indices of source fields to carry when not whole_records
-  SpillPlace spill = nullptr;
-  std::size_t buffer_bytes = 64 << 20;  ///< bytes of the buffers of the distribution
+  std::vector<std::size_t> payload = {};  ///< indices of further source fields in working records
+  SpillPlace spill = nullptr;             ///< where records are stored; null: in memory
+  std::size_t buffer_bytes = 64 << 20;    ///< bytes of the buffers of the distribution
   std::function<void(std::uint64_t rows_read)> progress = {};
 };
 
-/// Options for making slabs from the input when they are read.
+/// Options of a stream that makes slabs from the input when they are read.
 struct OnDemandOptions {
-  std::vector<RowBox> boxes;       ///< no block of rows that are decoded together extends past the end of a box
+  std::vector<RowBox> boxes;       ///< a block of rows, which are decoded together, does not cross the end of a box
   std::uint64_t block_rows = 0;    ///< most rows of a block; 0: chosen by the stream
   std::size_t read_ahead = 1;      ///< number of slabs that are read at once
   std::uint64_t most_waiting = 0;  ///< most points that may be decoded and wait for their slabs
 };
 
-/// Slabs whose records are stored elsewhere: slabs that a part of a cloud sweeps, then further slabs for its recall.
+/// Slabs of a part of a cloud (part/part_stream.h), which a process sweeps alone. Functions read their records. The
+/// first slabs are swept; later slabs are for the recall, which finishes points by reading slabs again
+/// (sweep/recall.h).
 struct StoredSlabs {
   int axis = 0;
   std::vector<Slab> slabs;
@@ -71,34 +74,33 @@ struct StoredSlabs {
 /// The ordered stream: slabs ascending in canonical order (coordinate along the axis; ties by x, then y, then z, then
 /// input row). Every point of slab s precedes every point of slab s+1 in that order; inside a slab points lie in no
 /// order. If StreamOptions::canonical is false, slabs keep this order only roughly: large slabs are split along any
-/// axis, and points in sparse places have slabs of their own, merged with the other slabs by where they begin along the
-/// axis. Points with a NaN or infinite coordinate are in no slab; read_nonfinite() reads them.
+/// axis, and points in sparse places have slabs of their own, placed among the other slabs by the least coordinate
+/// along the axis. Points with a NaN or infinite coordinate are in no slab; read_nonfinite() reads them.
 class Stream {
  public:
-  /// Performs the distribution pass: reads the source once, and the records of too large slabs again to split them.
-  /// Works on all threads; throws Error from the source or the temporary folder.
+  /// Performs the distribution pass on all threads: reads the source once, and the stored records of too large slabs
+  /// again to split them. Throws Error if the source or the temporary folder fails.
   Stream(const PointSource& source, const Survey& survey, const StreamOptions& options);
-  /// Decodes a stream whose records are in a kept file, without reading the source. The schema and number of points of
-  /// the source, and the options for records, must equal those of the encoded stream.
+  /// Decodes a stream whose records are in the kept file options.spill (SpillPlace), without reading the source. The
+  /// schema and number of points of the source, and the options for records, must equal those of the encoded stream.
   Stream(Decoder& in, const PointSource& source, const StreamOptions& options);
-  /// Makes a stream without a distribution pass. The source is read once to count, and decoded again when slabs are
-  /// read in their order; a slab that is read twice is decoded twice. Nothing is spilled. The source, whose functions
-  /// are copied, must have for_thread(). Returns an empty optional if this is not possible: then `why_not` holds the
-  /// reason, as the end of a sentence.
+  /// Makes a stream without a distribution pass: reads the source once to count the points of each slab; reads of slabs
+  /// decode the source again, twice for a slab that is read twice. Spills nothing. Copies the functions of the source,
+  /// which must have for_thread(). Returns an empty optional if a stream on demand is not possible: then `why_not`
+  /// holds the reason, as the end of a sentence.
   static std::optional<Stream> on_demand(const PointSource& source, const Survey& survey, const StreamOptions& options,
                                          const OnDemandOptions& how, std::string& why_not);
   explicit Stream(StoredSlabs stored);
   Stream(Stream&&) noexcept;
   ~Stream();
-  /// Encodes the slabs and their places in the kept file. Only for a stream in a kept file, which is not on demand.
+  /// Encodes the slabs and where the kept file has their records. Only for a stream whose records are in a kept file.
   void encode(Encoder& out) const;
 
   int axis() const { return axis_; }
   const std::vector<Slab>& slabs() const { return slabs_; }
-  /// Returns the number of slabs that a sweep reads, which are the first ones; in a part of a cloud, later slabs are
-  /// for the recall alone.
+  /// Returns the number of slabs that a sweep reads: all slabs, or the first slabs of a part of a cloud (StoredSlabs).
   std::size_t swept_slabs() const { return swept_slabs_; }
-  /// Returns the sparse places of the cloud if slabs may have points inside and outside of them; else an object without
+  /// Returns the spacing of the cloud if a slab may have points in sparse places and others; else an object without
   /// sparse places.
   const LocalSpacing& spacing_in_slabs() const { return spacing_; }
   std::uint64_t nonfinite_count() const { return nonfinite_count_; }
@@ -106,13 +108,13 @@ class Stream {
   /// Returns the bytes of memory that the stored records take; 0 for a stream on demand.
   std::uint64_t memory_bytes() const;
 
-  /// Returns the layout of working records: the fields of the source that are needed, under their names (x, y, z first,
-  /// in type and scale of the source, unless whole_records), then the input row as the last field: u32 if all rows fit,
+  /// Returns the layout of working records: the fields of the source that StreamOptions requests, with their names,
+  /// types and scales (x, y, z first, unless whole_records), then the input row as the last field: u32 if all rows fit,
   /// else u64, named "row".
   const Schema& record_schema() const { return record_schema_; }
   /// Reads all working records of a slab. `out.size()` = count * record_schema().stride. Thread-safe.
   void read(std::size_t slab, std::span<std::byte> out) const;
-  /// Reads working records [first, ...) of the nonfinite points, ascending by row.
+  /// Reads as many working records of the nonfinite points as fill `out`, from number `first` on, ascending by row.
   void read_nonfinite(std::uint64_t first, std::span<std::byte> out) const;
 
  private:

@@ -20,18 +20,18 @@ constexpr Encoding kSurveyEncoding{"survey", 1};
 constexpr std::uint64_t kSample = 65536;
 constexpr std::uint64_t kRuns = 1024;              ///< runs of sampled rows; a reader jumps to each of them
 constexpr std::uint64_t kInRun = kSample / kRuns;  ///< rows sampled in each run
-constexpr std::uint64_t kMostGap = 16;             ///< at most this many times the rows of the sample are read
+constexpr std::uint64_t kMostGap = 16;             ///< the survey reads at most this many times the rows of the sample
 
-/// Numbers of points with which the dimension is estimated: the least and the most.
+/// Least and greatest number of sample points from which the dimension is estimated.
 constexpr std::size_t kTooFew = 256, kEnough = 16384;
-/// Most cells along one axis, so that three cell numbers fit 64 bits.
+/// Most cells along one axis, so that three cell numbers fit in 64 bits.
 constexpr std::uint64_t kMostCells = 1u << 20;
 
 /// The rows of the sample, ascending, in short runs spread over the whole file.
 class SampledRows {
  public:
-  /// A scanner writes line by line. With gaps this wide, the sample of a square of lines is about as dense along the
-  /// lines as across them. Successive rows would be short pieces of few lines.
+  /// Scanners write points line by line. Gaps this wide make the sample of a scan with as many lines as points on a
+  /// line about as dense along the lines as across them. A sample without gaps would be short pieces of few lines.
   explicit SampledRows(std::uint64_t rows)
       : rows_(rows),
         gap_(std::min(static_cast<std::uint64_t>(std::sqrt(static_cast<double>(rows / kSample))), kMostGap)) {}
@@ -55,7 +55,7 @@ class SampledRows {
   std::uint64_t rows_, gap_;
 };
 
-/// Reads pieces of the source and keeps the sample and the bounds.
+/// Reads ranges of rows of the source and keeps the sample and the bounds.
 class Surveyor {
  public:
   explicit Surveyor(const PointSource& source)
@@ -70,8 +70,8 @@ class Surveyor {
     }
   }
 
-  /// Takes the sample, or all rows if there are no more than kSample, and the bounds of all finite points. Uses all
-  /// threads.
+  /// Reads all rows on all threads. Takes the sample (all rows if there are at most kSample) and the bounds of all
+  /// finite points.
   void look_at_all() {
     std::optional<SampledRows> rows;
     if (source_.count > kSample) rows.emplace(source_.count);
@@ -104,7 +104,7 @@ class Surveyor {
   }
 
   /// Decodes the positions of all records. Returns the box of the finite positions. Boxes are joined in the order of
-  /// the records, so that the choice between -0 and 0 does not depend on the number of threads.
+  /// the records, so that the sign of a bound of zero does not depend on the number of threads.
   Box decoded_box() {
     const std::size_t stride = source_.schema.stride, all = x_.size();
     std::vector<Box> boxes((all + kTaskRows - 1) / kTaskRows);
@@ -139,7 +139,7 @@ bool contains(const Box& box, const Vec3& p) {
   return box.lo.x <= p.x && p.x <= box.hi.x && box.lo.y <= p.y && p.y <= box.hi.y && box.lo.z <= p.z && p.z <= box.hi.z;
 }
 
-/// Returns the number of cells with a point if the largest extent of `box` is divided into `cells`.
+/// Returns the number of cubes that contain a point, of a grid that divides the largest extent of `box` into `cells`.
 std::size_t occupied_cells(std::span<const Vec3> points, const Box& box, std::uint64_t cells) {
   const Vec3 extent = box.extent();
   const double largest = std::max({extent.x, extent.y, extent.z});
@@ -203,7 +203,8 @@ double box_counting_dimension(std::span<const Vec3> sample) {
   if (inside.size() < kTooFew / 2) return kUndecided;
 
   // With fewer than about eight points per cell of the finer grid, some cells that the surface crosses would contain no
-  // sample point. The numbers of cells are whole, since a cell cut off by the end of the grid would count as full.
+  // sample point. The numbers of cells along an axis are whole, since a cell that the end of the grid cuts off
+  // would count as full.
   const std::size_t wanted = inside.size() / 8;
   std::uint64_t coarse_cells = 1;
   while (occupied_cells(inside, box, 2 * coarse_cells) < wanted && coarse_cells < kMostCells / 4) coarse_cells *= 2;

@@ -35,11 +35,11 @@ Survey survey(const PointSource& source, std::optional<int> axis, bool exact);
 double box_counting_dimension(std::span<const Vec3> sample);
 
 /// Returns a number of points per slab with which slabs are several point spacings thick: f * n^((D-1)/D), at least
-/// 16,384. The factor f is 16 for D = 2 and 6 for D = 3, linear between.
+/// 16,384. D is the dimension, clamped to [2, 3]. The factor f is 16 for D = 2 and 6 for D = 3, linear between.
 std::uint64_t recommended_slab_points(std::uint64_t points, double dimension);
 
-/// Throws Error if squared distances in the cloud would all be zero or infinite in double precision, so that all points
-/// would be equally near.
+/// Throws Error if the cloud is so small or so large that squared distances would underflow or overflow in double
+/// precision, so that points would be equally near. A cloud without extent is accepted.
 void require_distances(const Box& bounds);
 
 }  // namespace pointsweep

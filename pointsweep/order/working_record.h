@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Working records of the stream: the position of a point, the fields that stages need, and its input row.
+/// Working records of the stream: the position of a point, the fields that the operators need, and its input row.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,13 @@
 
 namespace pointsweep {
 
-/// Makes working records from source records: copies parts of them, then adds the row.
+/// Makes working records from source records: copies fields of a source record, then adds its row.
 class WorkingRecord {
  public:
   /// Working records have the position and the fields `payload`, or every byte of a record if `whole`. All rows are
   /// below `rows`, which decides the type of the row field.
   WorkingRecord(const Schema& source, bool whole, std::span<const std::size_t> payload, std::uint64_t rows);
-  /// Copies records that are working records already.
+  /// Makes an object that copies whole records, which are working records already.
   explicit WorkingRecord(const Schema& working);
 
   /// Returns the schema: fields of the source (with names, types, scales), then "row".
@@ -36,7 +36,7 @@ class WorkingRecord {
   bool makes_row_ = false;
 };
 
-/// Returns the input row of a working record of this schema.
+/// Returns the input row of a working record of the schema `working`.
 std::uint64_t row_of(const Schema& working, const std::byte* record);
 
 }  // namespace pointsweep
