@@ -23,8 +23,8 @@ using Lanes = hn::ScalableTag<double>;
 
 constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
 
-/// One matrix per lane, twelve rows: first the six entries of each matrix; after Take(), three eigenvalues and three
-/// eigenvectors.
+/// One matrix per lane. Put() fills the first six rows with the entries of the matrices; Take() fills all twelve rows
+/// with three eigenvalues and three eigenvectors, and copies them to `out`.
 struct MatrixGroup {
   HWY_ALIGN double lanes[12][kLanes];
 

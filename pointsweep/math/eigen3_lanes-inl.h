@@ -21,7 +21,7 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The input: one matrix per lane. Eigen3Lanes holds the results: ascending eigenvalues and their eigenvectors.
+/// One matrix per lane. Eigen3Lanes holds the results: ascending eigenvalues and their eigenvectors.
 template <class V>
 struct Symmetric3Lanes {
   V xx, xy, xz, yy, yz, zz;
@@ -77,8 +77,8 @@ HWY_INLINE Vec3Lanes<V> Choose(M mask, const Vec3Lanes<V>& yes, const Vec3Lanes<
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
 }
 
-/// The steps of eigen_symmetric3() for one matrix per lane are structs that use the results of earlier steps. First
-/// step: the matrix, scaled by a power of two.
+/// First step of eigen_symmetric3(), one matrix per lane: the matrix, scaled by a power of two. Each step is a struct
+/// whose constructor uses the results of earlier steps.
 template <class D, class V = hn::Vec<D>>
 struct ScaledLanes {
   Symmetric3Lanes<V> m;
@@ -94,7 +94,8 @@ struct ScaledLanes {
   }
 };
 
-/// B = (A - mean) / spread and the well-separated root of its characteristic polynomial.
+/// Second step: B = (A - mean) / spread of the scaled matrix A, and the well-separated root of the characteristic
+/// polynomial of B.
 template <class D, class V = hn::Vec<D>>
 struct RootLanes {
   Symmetric3Lanes<V> b;
@@ -130,7 +131,8 @@ struct RootLanes {
   }
 };
 
-/// The eigenvector of the well-separated root, and a basis of the plane perpendicular to this eigenvector.
+/// Third step: the eigenvector of the well-separated root, and an orthonormal basis of the plane perpendicular to this
+/// eigenvector.
 template <class D, class V = hn::Vec<D>>
 struct BasisLanes {
   Vec3Lanes<V> v, p, q;
@@ -159,7 +161,8 @@ struct BasisLanes {
   }
 };
 
-/// The 2×2 eigenvalue problem in the plane perpendicular to the first eigenvector.
+/// Fourth step: the 2×2 eigenvalue problem in the plane of BasisLanes, which is perpendicular to the eigenvector found
+/// first.
 template <class D, class V = hn::Vec<D>>
 struct PairLanes {
   V value_less, value_greater;
@@ -213,8 +216,8 @@ HWY_INLINE std::array<Eigen3Lanes<V>, N> SolveTogether(D d, const ScaledLanes<D>
   return {Ascending(d, scaled[I], roots[I], bases[I], pairs[I])...};
 }
 
-/// Solves several vectors of matrices at once, each like eigen_symmetric3(). One vector of matrices is a long chain of
-/// dependent operations; several independent chains use the processor better.
+/// Returns the eigenvalues and eigenvectors of several vectors of matrices, with the bits of eigen_symmetric3(). One
+/// vector of matrices needs a long chain of dependent operations; several independent chains use the processor better.
 template <class D, class V = hn::Vec<D>, class... More>
 HWY_INLINE std::array<Eigen3Lanes<V>, sizeof...(More)> EigenSymmetric3(D d, const More&... m) {
   const ScaledLanes<D> scaled[] = {ScaledLanes<D>(d, m)...};

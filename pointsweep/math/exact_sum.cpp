@@ -27,8 +27,8 @@ Parts parts_of(double value) {
   return {fraction | std::uint64_t{1} << 52, field - 1075};
 }
 
-/// The number of terms after which carry() is due: so many terms, added to digits of 32 bits, keep the digits below
-/// 2^63.
+/// The number of terms after which carry() is due. Digits of 32 bits stay below 2^63 while this number of terms is
+/// added.
 constexpr std::uint32_t kMostPending = 1u << 29;
 
 }  // namespace

@@ -11,10 +11,11 @@
 namespace pointsweep {
 
 /// A fixed-point number wide enough for every double and every product of two (the "small superaccumulator" of
-/// R. M. Neal, "Fast exact summation using small and large superaccumulators", 2015). 1.1 kB; about 5 ns for a term.
+/// R. M. Neal, "Fast exact summation using small and large superaccumulators", 2015). An object takes 1.1 kB, and
+/// adding a term about 5 ns.
 ///
 /// A sum with NaN, or with infinities of both signs, is NaN; a sum with infinities of one sign, or that rounds beyond
-/// the largest double, is infinite. An exact zero is +0. At most 2^60 terms.
+/// the largest double, is infinite. An exact zero is +0. A sum may have at most 2^60 terms.
 class ExactSum {
  public:
   void add(double term);
@@ -31,8 +32,9 @@ class ExactSum {
   /// together. The second and third are 0 if the first is not finite.
   std::array<double, 3> expansion() const;
 
-  /// The sum in a form that another process can continue: the sum of digits[i] * 2^(32 (first + i) - 2148), and the
-  /// kinds of unusual terms that occurred. Equal sums of finite terms have equal states.
+  /// A sum as plain values, with which another process can continue: the finite terms are in Σ digits[i] * 2^(32 (first
+  /// + i) - 2148), and the flags tell which terms that are not finite occurred. Equal sums of finite terms have equal
+  /// states.
   struct State {
     std::uint32_t first = 0;
     std::vector<std::int64_t> digits;
@@ -51,15 +53,16 @@ class ExactSum {
   void add_unusual(double term);
   void carry();
 
-  /// The sum of digits_[i] * 2^(32 i + kLeastExponent). A digit may have grown beyond 32 bits and have either sign.
+  /// The sum of the finite terms is Σ digits_[i] * 2^(32 i + kLeastExponent). A digit may have grown beyond 32 bits and
+  /// have either sign.
   std::array<std::int64_t, kDigits> digits_{};
   std::uint32_t pending_ = 0;  ///< number of terms added since carry() brought the digits below 2^32
   bool nan_ = false, positive_infinity_ = false, negative_infinity_ = false;
 };
 
 /// Returns n Σ v² - (Σ v)², which is n² times the mean square distance of n values v from their mean, from the sum of
-/// the values and the sum of their squares; at least 0. It uses 159 bits of each sum, since values close together and
-/// far from 0 give a small difference of large numbers.
+/// the values and the sum of their squares; at least 0. The function uses 159 bits of each sum, since values close
+/// together and far from 0 give a small difference of large numbers.
 double n_squared_variance(const ExactSum& sum, const ExactSum& squares, double n);
 
 __extension__ typedef __int128 Int128;

@@ -2,11 +2,11 @@
 /// Elementary functions and powers of two, made of plain IEEE operations, so that they have the same bits on every
 /// machine. Results of the C library may differ in the last bit between processors.
 ///
-/// The method of exp(-x): with n = round(x / ln 2) and y = n ln 2 - x, |y| <= ln 2 / 2: exp(-x) = 2^-n exp(y). exp(y) =
-/// 1 + (y + y² q(y)), with q of degree 9 interpolated at Chebyshev nodes on |y| <= 0.3467 (error of the polynomial
-/// below 2^-57) and summed by Estrin's scheme. Error at most 1 ulp. In single precision q is of degree 4 (error below
-/// 2^-26). exp_lanes-inl.h does the operations of exp(-x) and of the logarithm in the same order, one argument per
-/// lane.
+/// The method of exp(-x): let n = round(x / ln 2) and y = n ln 2 - x, so that |y| <= ln 2 / 2. Then exp(-x) = 2^-n
+/// exp(y), and exp(y) = 1 + (y + y² q(y)). The polynomial q of degree 9 is interpolated at Chebyshev nodes on |y| <=
+/// 0.3467 (error below 2^-57) and summed by Estrin's scheme. The error of exp(-x) is at most 1 ulp. In single precision
+/// q has degree 4 (error below 2^-26). exp_lanes-inl.h does the operations of exp(-x) and of the logarithm in the same
+/// order, one argument per lane.
 #pragma once
 
 #include <algorithm>
@@ -19,6 +19,7 @@
 
 namespace pointsweep {
 
+/// The constants of exp_negative() in one precision.
 template <class Real>
 struct ExpConstants;
 
@@ -29,7 +30,7 @@ struct ExpConstants<double> {
   static constexpr double kLog2E = 0x1.71547652b82fep+0;
   static constexpr double kLn2High = 0x1.62e42feep-1;  ///< n * kLn2High is exact
   static constexpr double kLn2Low = 0x1.a39ef35793c76p-33;
-  static constexpr double kRound = 0x1.8p52;  ///< its addition rounds to an integer, which is then in the low bits
+  static constexpr double kRound = 0x1.8p52;  ///< adding kRound rounds to an integer, which then fills the low bits
   static constexpr int kMantissaBits = 52;
   static constexpr Bits kExponentOfOne = 1023;
   static constexpr double kQ[10] = {

@@ -17,9 +17,9 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Moves the lanes that a mask chooses to the front of vectors of 32- or 64-bit lanes; the lanes after them are
-/// unspecified. Vectors of up to eight lanes use a table: GCC would copy the table of Highway 1.0.3's own Compress onto
-/// the stack every time. Sixteen lanes need one instruction.
+/// Moves the lanes that a mask chooses to the front of vectors of 32- or 64-bit lanes; the lanes behind the chosen
+/// lanes are unspecified. Vectors of up to eight lanes use a table: GCC would copy the table of Highway 1.0.3's own
+/// Compress onto the stack every time. Sixteen lanes need one instruction.
 template <class D>
 class Front {
   using Numbers = hn::RebindToUnsigned<D>;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// The instruction sets for which vector code is built; the best available one is chosen at run time. A file with
-/// vector code must include this header before any header of Highway. On x86-64: the baseline, SSE4, AVX2 and AVX-512;
-/// others would only add code of the same speed. Vectors whose size is unknown at compile time (SVE, RISC-V) cannot be
-/// members of a struct, which our kernels need; such machines run NEON or scalar code. Sanitizers use only the baseline
-/// and AVX2, since every set costs minutes of compilation there. With POINTSWEEP_INSTRUCTION_SETS=native
-/// (cmake/instruction_sets.cmake) the build leaves out the sets below the best one of its machine, but never the
-/// baseline.
+/// vector code must include this header before any header of Highway. On x86-64 these sets are the baseline, SSE4, AVX2
+/// and AVX-512; other sets would add code without adding speed. SVE and RISC-V are left out: the size of their vectors
+/// is unknown at compile time, so that the vectors cannot be members of a struct, as our kernels require. Machines with
+/// these sets run NEON or scalar code. Builds with sanitizers contain only the baseline and AVX2, since every set takes
+/// them minutes to compile. With POINTSWEEP_INSTRUCTION_SETS=native (cmake/instruction_sets.cmake) the build on a
+/// machine with AVX2 or AVX-512 keeps only the baseline and the best set of that machine.
 #pragma once
 
 #include <hwy/detect_targets.h>

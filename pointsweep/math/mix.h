@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Pseudo-random numbers that are the same in every run.
+/// Hashes of numbers and positions, which serve as pseudo-random numbers that are the same in every run.
 #pragma once
 
 #include <bit>

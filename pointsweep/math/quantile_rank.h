@@ -8,9 +8,9 @@
 
 namespace pointsweep {
 
-/// Returns the rank, from 0 in ascending order, of the quantile `part / whole` of `count` >= 1 values: floor(part /
-/// whole (count - 1)), without rounding. So a quantile is one of the values: the least for part = 0 and the greatest
-/// for part = whole.
+/// Returns the rank, from 0 in ascending order, of the quantile `part / whole` of `count` >= 1 values: floor((count -
+/// 1) · part / whole), computed in integers. So a quantile is one of the values: the least for part = 0 and the
+/// greatest for part = whole.
 inline std::uint64_t quantile_rank(std::uint64_t count, std::uint32_t part, std::uint32_t whole = 100) {
   return static_cast<std::uint64_t>(UInt128{count - 1} * part / whole);
 }

@@ -8,8 +8,8 @@
 
 namespace pointsweep {
 
-/// Sorts numbers in ascending order. No number may be NaN; -0 comes before 0. Much faster than std::sort for many
-/// numbers; each call takes about a microsecond of preparation.
+/// Sorts numbers in ascending order. No number may be NaN; -0 comes before 0. For many numbers this is much faster than
+/// std::sort; each call takes about a microsecond of preparation.
 void sort_ascending(std::span<std::uint64_t> numbers);
 void sort_ascending(std::span<double> numbers);
 /// Sorts by the first of each pair, then by the second.

@@ -2,7 +2,7 @@
 /// Sorting of the 32-bit keys of one neighbourhood, tens to thousands of them, in vector lanes. Included once per
 /// instruction set.
 ///
-/// Highway's own sort is made for arrays that are larger than a cache: it asks the system for random numbers each time,
+/// Highway's own sort is made for arrays that are larger than a cache: each call gets random numbers from the system,
 /// which takes as long as sorting a hundred keys.
 #if defined(POINTSWEEP_MATH_SORT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_MATH_SORT_LANES_INL_H_

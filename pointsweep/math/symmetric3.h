@@ -33,8 +33,8 @@ struct Eigen3 {
 
 namespace deflation {
 
-/// Coefficients of 2 cos(acos(r)/3), the largest root of β³ - 3β - 2r, for r in [0, 1]: with an error of 1.3e-6, before
-/// a step of Halley's iteration that makes the root accurate to rounding.
+/// Coefficients of a polynomial in r that approximates 2 cos(acos(r)/3), the largest root of β³ - 3β - 2r, for r in [0,
+/// 1], with an error of 1.3e-6. One step of Halley's iteration then makes the root accurate to rounding.
 inline constexpr double kRoot[6] = {1.7320521221176661,  0.33323771303007044,  -0.09505002786486773,
                                     0.04379925469028466, -0.01793290240031093, 0.0038946032208317916};
 /// A term that keeps quotients from being 0/0; negligible in scaled matrices.
@@ -51,9 +51,9 @@ inline double largest_root(double r) {
 }  // namespace deflation
 
 /// Returns the eigenvalues and eigenvectors of `m`. Entries must be finite and under 2^1022; a matrix whose entries are
-/// all under 2^-1022 counts as zero. The error of an eigenvalue is a few ulps of the largest eigenvalue; the error of
-/// an eigenvector is this error divided by the gap to the next eigenvalue. The eigenvectors of a zero or diagonal
-/// matrix are axes.
+/// all under 2^-1022 has eigenvalues of 0 in the result. The error of an eigenvalue is a few ulps of the largest
+/// eigenvalue; the error of an eigenvector is this error divided by the gap to the next eigenvalue. The eigenvectors of
+/// a zero or diagonal matrix are axes.
 inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
   const double largest =
       std::max({std::abs(m.xx), std::abs(m.yy), std::abs(m.zz), std::abs(m.xy), std::abs(m.xz), std::abs(m.yz)});
@@ -85,7 +85,8 @@ inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
   const Vec3 v{column.x * shorten, column.y * shorten, column.z * shorten};
 
   // An orthonormal basis of the plane perpendicular to v, made with the axis on which v has its least component. So a
-  // matrix with zeros along an axis, as for points on a plane or line across it, keeps eigenvalues of exactly 0.
+  // matrix whose row and column of an axis are zero, such as the covariance of points on a plane perpendicular to the
+  // axis, keeps an eigenvalue of exactly 0.
   const double vx = std::abs(v.x), vy = std::abs(v.y), vz = std::abs(v.z);
   const bool least_x = vx <= vy && vx <= vz, least_y = !least_x && vy <= vz;
   const Vec3 across = least_x ? Vec3{0, v.z, -v.y} : least_y ? Vec3{-v.z, 0, v.x} : Vec3{v.y, -v.x, 0};

@@ -119,7 +119,7 @@ class CellSearch {
   }
 
   /// Chooses centre and scale of the frame for the leaf of the queries. Returns false if the width of the leaf is out
-  /// of range: below 2^-300 or above 2^300, in about.
+  /// of range: below about 2^-300 or above about 2^300.
   bool choose_frame(std::uint32_t leaf) {
     double extent = 0;
     for (int a = 0; a < 3; ++a) {
@@ -213,8 +213,8 @@ class CellSearch {
   }
 
   /// Writes the lists. Where two keys are too close to decide the order of their points, exact distances decide. If the
-  /// keys cannot decide which points belong to the list, at the kth neighbour or the radius, the point is searched
-  /// again in double.
+  /// keys cannot decide which points belong to the list, at the kth neighbour or the radius, settle_in_double()
+  /// searches for the point again.
   void settle(const Group<K>& group, std::uint32_t first, std::uint32_t queries) {
     const Vec empty = hn::Set(d_, kEmptyKey), relative = hn::Set(d_, kRelativeMargin), one = hn::Set(d_, 1.0f);
     const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);

@@ -27,8 +27,9 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep {
 namespace HWY_NAMESPACE {
 
-/// Finds the neighbours of the points of one cell. The search for the neighbours of a point p begins with a bound from
-/// the point q that was searched before p: the neighbourhood of p ends within the reach of q plus |p - q|.
+/// Finds the neighbours of the points of one cell. The reach of a point is the distance at which its neighbourhood
+/// ends. The search for the neighbours of a point p begins with a bound from the point q that was searched before p:
+/// the reach of p is at most the reach of q plus |p - q|.
 class GatheredSearch {
  public:
   GatheredSearch(const CellQuery& query, std::uint64_t most, SearchScratch& scratch, CellNeighbors& out)
@@ -66,8 +67,7 @@ class GatheredSearch {
 
   static constexpr std::uint64_t kDistanceBits = ~std::uint64_t{0} << 32;
   static constexpr std::size_t kMostCopied = 4096;  ///< largest number of candidates that are copied for sorting
-  static constexpr NeighborRef kNoPoint =
-      ~NeighborRef{0};  ///< the last point of the last possible slot, which never exists
+  static constexpr NeighborRef kNoPoint = ~NeighborRef{0};  ///< reference to no point: no cell has the last slot
 
   bool unlimited() const { return what_.k == Neighborhood::kUnlimited; }
 
@@ -359,7 +359,7 @@ class GatheredSearch {
   std::uint32_t own_begin_ = 0;  ///< number, among the gathered points, of the first point of the searched leaf
   bool by_bins_ = true;          ///< false after too many neighbours of a point of the leaf have shared bins
   Vec3 settled_at_;              ///< position of the point searched last
-  double settled_reach_ = std::numeric_limits<double>::infinity();  ///< distance at which its neighbourhood ends
+  double settled_reach_ = std::numeric_limits<double>::infinity();  ///< reach of the point searched last
 };
 
 std::uint32_t search_in_gathered(const CellQuery& query, const CellSubset& points, std::uint64_t most,
