@@ -62,7 +62,7 @@ class CanonicalSort {
       items_[i] = ((key(level, order_[i]) >> shift) - (least >> shift)) << 32 | order_[i];
     radix_sort(begin, end, bits_of((greatest >> shift) - (least >> shift)));
     for (std::size_t i = begin; i < end; ++i) order_[i] = static_cast<std::uint32_t>(items_[i]);
-    // Points with equal items are equal at this level if the items contain all its bits.
+    // Points with equal keys in the items are equal at this level if these keys contain all its bits.
     settle_ties(shift == zeros ? level + 1 : level, begin, end);
   }
 

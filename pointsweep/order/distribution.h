@@ -32,10 +32,10 @@ struct PartitionInput {
   ReadRecords read;             ///< called by one thread at a time, in order
   const WorkingRecord& record;  ///< makes the stored record from a record read
   SortKey key;
-  std::span<const Splitters>
-      splitters;           ///< one for all points, or one for points in dense places and one for points in
-                           ///< sparse places; the numbers of the pieces of the second follow the first's
-  std::size_t first_list;  ///< piece p goes to list first_list + p of the store
+  /// One Splitters for all points, or one for points in dense places and one for points in sparse places. The pieces of
+  /// the second are numbered after those of the first.
+  std::span<const Splitters> splitters;
+  std::size_t first_list;                     ///< piece p goes to list first_list + p of the store
   std::optional<std::size_t> nonfinite_list;  ///< list for nonfinite points; absent: all points must be finite
   std::size_t memory_bytes;                   ///< bytes that all buffers of the pass should take together
   const LocalSpacing* spacing = nullptr;      ///< tells which places are sparse; null if there is one Splitters

@@ -25,7 +25,7 @@ constexpr std::size_t kFew = 16;     ///< each leaf has fewer sample points than
 constexpr double kInLeaf = 6;        ///< average number of sample points in a leaf that a surface crosses
 constexpr int kSparser = 4;          ///< a sparse leaf is this many levels coarser than the median: 16 times as wide
 constexpr std::size_t kLeast = 8;    ///< sparse places need at least this many sample points to count
-constexpr double kFarAway = 0x1p60;  ///< greatest distance told apart, in sides of the root cube
+constexpr double kFarAway = 0x1p60;  ///< larger distances count as this distance, in sides of the root cube
 
 constexpr std::uint64_t spread(std::uint64_t v) {
   v = (v | v << 32) & 0x1f00000000ffff;
@@ -171,7 +171,7 @@ std::uint64_t LocalSpacing::code_of(Vec3 p) const {
 }
 
 /// Returns the level of a place outside the root cube. The level is 0 up to a distance of two sides of the root
-/// cube, and one lower for each further doubling of the distance, up to kFarAway.
+/// cube, and one lower for each further doubling of the distance up to kFarAway.
 int LocalSpacing::level_outside(Vec3 p) const {
   double distance = 0;
   for (int axis = 0; axis < 3; ++axis)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Distances between neighbouring points in each part of space, estimated from the survey's sample.
+/// Distances between neighbouring points in each part of space, estimated from the sample of the survey (survey.h).
 #pragma once
 
 #include <cstddef>

@@ -47,8 +47,7 @@ std::byte* BlockPool::take() {
     free_.pop_back();
   } else {
     if (pieces_.empty() || piece_used_ == pieces_.back().size()) {
-      const std::size_t aim =
-          std::clamp(held_ / 4, kLeastPiece, kLargestPiece);  // keeps the unused part of the last piece small
+      const std::size_t aim = std::clamp(held_ / 4, kLeastPiece, kLargestPiece);  // keeps the unused memory small
       pieces_.emplace_back(std::max<std::size_t>(1, aim / block_bytes_) * block_bytes_);
       held_ += pieces_.back().size();
       piece_used_ = 0;

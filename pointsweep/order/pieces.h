@@ -47,9 +47,8 @@ class Splitters {
   }
   std::uint32_t search(std::size_t cell, double value) const;
 
-  std::vector<double> limits_;  ///< the limits, then infinity, which exceeds all values
-  std::vector<std::uint16_t>
-      first_;  ///< for each entry of the look-up table: number of limits in lower entries; one more at the end
+  std::vector<double> limits_;        ///< the limits, then infinity, which exceeds all values
+  std::vector<std::uint16_t> first_;  ///< look-up table: number of limits in lower entries; one more entry at the end
   double lo_ = 0, scale_ = 0, last_cell_ = 0;
 };
 
@@ -111,8 +110,8 @@ struct PieceCounts {
   std::vector<RowBlock> blocks;       ///< cover all rows, ascending
 };
 
-/// Cuts the rows of a source of `count` rows into blocks of at most `most` rows. A block does not cross the last
-/// row of any of the `boxes`, which ascend by row and have no common rows.
+/// Cuts the rows of a source of `count` rows into blocks of at most `most` rows. No block crosses the end of
+/// the rows of one of the `boxes`, which ascend by row and have no common rows.
 std::vector<RowBlock> cut_into_blocks(std::uint64_t count, std::uint64_t most, std::span<const RowBox> boxes);
 
 /// Reads all `blocks` of the source on all threads; the source must have for_thread(). The result does not depend

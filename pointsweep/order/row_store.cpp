@@ -29,10 +29,9 @@ constexpr std::size_t kLeastBlockBytes = 4096;              ///< least block siz
 constexpr std::size_t kCachedBytes = std::size_t{1} << 20;  ///< size of a bucket that fits in the cache, so that
                                                             ///< stores at random places are fast
 constexpr std::size_t kPageBytes = 4096;
-constexpr std::size_t kOffsetBytes =
-    sizeof(std::uint32_t);              ///< the index in the bucket stands before each spilled record
-constexpr std::size_t kLineBytes = 64;  ///< bytes of a cache line
-constexpr std::size_t kAhead = 16;      ///< number of records whose places are prefetched
+constexpr std::size_t kOffsetBytes = sizeof(std::uint32_t);  ///< each spilled record follows its index in the bucket
+constexpr std::size_t kLineBytes = 64;                       ///< bytes of a cache line
+constexpr std::size_t kAhead = 16;                           ///< number of records whose places are prefetched
 
 std::uint64_t bytes_of(std::uint64_t rows, std::size_t record_bytes) {
   if (rows > std::numeric_limits<std::uint64_t>::max() / record_bytes)

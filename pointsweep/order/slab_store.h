@@ -19,7 +19,7 @@ namespace pointsweep {
 /// finish().
 class SlabStore {
  public:
-  /// A store that spills takes up to slabs * block_bytes of memory for records until finish(), and none afterwards.
+  /// A store that spills takes about slabs * block_bytes of memory for records until finish(), and none afterwards.
   /// `block_bytes` is rounded down to whole records, at least one.
   SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& spill);
   /// Decodes a store whose records are in the kept file `kept`.

@@ -52,15 +52,15 @@ struct StreamOptions {
 
 /// Options of a stream that makes slabs from the input when they are read.
 struct OnDemandOptions {
-  std::vector<RowBox> boxes;       ///< a block of rows, which are decoded together, does not cross the end of a box
+  std::vector<RowBox> boxes;       ///< no block of rows that are decoded together crosses the end of the rows of a box
   std::uint64_t block_rows = 0;    ///< most rows of a block; 0: chosen by the stream
   std::size_t read_ahead = 1;      ///< number of slabs that are read at once
   std::uint64_t most_waiting = 0;  ///< most points that may be decoded and wait for their slabs
 };
 
 /// Slabs of a part of a cloud (part/part_stream.h), which a process sweeps alone. Functions read their records. The
-/// first slabs are swept; later slabs are for the recall, which finishes points by reading slabs again
-/// (sweep/recall.h).
+/// first slabs are swept; later slabs are for the recall, which reads slabs again to finish points
+/// that the sweep could not finish (sweep/recall.h).
 struct StoredSlabs {
   int axis = 0;
   std::vector<Slab> slabs;
