@@ -9,8 +9,9 @@
 
 namespace pointsweep {
 
-/// Returns the squared distance from a point to the box, 0 inside. Rounding never makes it exceed the distance2() to a
-/// point of the box: every operation is monotonic and in the same order.
+/// Returns the squared distance from a point to the box, 0 inside. Rounding never makes the result exceed the
+/// distance2() from p to a point of the box: both functions perform the same operations in the same order, and each
+/// operation is monotonic.
 inline double distance2(const Box& b, Vec3 p) {
   const double dx = std::max({b.lo.x - p.x, 0.0, p.x - b.hi.x});
   const double dy = std::max({b.lo.y - p.y, 0.0, p.y - b.hi.y});

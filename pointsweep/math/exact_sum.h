@@ -33,8 +33,8 @@ class ExactSum {
   std::array<double, 3> expansion() const;
 
   /// A sum as plain values, with which another process can continue: the finite terms are in Σ digits[i] * 2^(32 (first
-  /// + i) - 2148), and the flags tell which terms that are not finite occurred. Equal sums of finite terms have equal
-  /// states.
+  /// + i) - 2148), and the flags say whether NaN or an infinity was among the terms. Equal sums of finite terms have
+  /// equal states.
   struct State {
     std::uint32_t first = 0;
     std::vector<std::int64_t> digits;

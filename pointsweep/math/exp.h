@@ -102,8 +102,8 @@ inline double reciprocal_of_power(double power) {
 inline double exponential(double x) {
   if (std::isnan(x)) return x;
   const double size = std::fabs(x), most = ExpConstants<double>::kLargest;
-  // Beyond `most`, exp(x) may be finite although exp_negative() has no result, so it is computed as the square of exp(x
-  // / 2).
+  // Beyond `most`, exp(x) may be finite although exp_negative() has no result, so exp(x) is computed as the square of
+  // exp(x / 2).
   const double root = exp_negative(size > most ? size / 2 : size);
   const double power = x > 0 ? 1 / root : root;
   return size > most ? power * power : power;

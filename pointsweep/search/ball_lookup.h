@@ -108,8 +108,8 @@ class BallCover {
   bool is_unbounded_ = false;
 };
 
-/// The cells of a box that balls touch. If most points of the box lie in no ball, a test of the cell of a point, about
-/// 2 ns, saves the look-up of the balls around the point. Queries are thread-safe.
+/// A box divided into cells, with a mark on each cell that a ball touches. If most points of the box lie in no ball, a
+/// test of the cell of a point, about 2 ns, saves the look-up of the balls around the point. Queries are thread-safe.
 class BallRaster {
  public:
   BallRaster(const Box& box, std::span<const Ball> balls);

@@ -38,8 +38,8 @@ class BinSearch {
   /// Returns whether squared distances up to `limit2` can be divided into bins without overflow or underflow.
   static bool can_bin(double limit2) { return limit2 > 1e-280 && limit2 < 1e280; }
 
-  /// Finds the points within sqrt(limit2) of p, except the gathered point number `self`. Returns how many they are.
-  /// Sorts at least the first `wanted` of the found points.
+  /// Finds the points within sqrt(limit2) of p, except the gathered point number `self`. Returns the number of found
+  /// points. Sorts at least the first `wanted` of the found points.
   std::size_t find(Vec3 p, std::size_t self, std::size_t wanted) {
     const std::size_t count = keep(p, self);
     sorted_ = BinSort(low_bits_, points_.spare_key.data())

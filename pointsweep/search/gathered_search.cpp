@@ -35,7 +35,8 @@ class GatheredSearch {
   GatheredSearch(const CellQuery& query, std::uint64_t most, SearchScratch& scratch, CellNeighbors& out)
       : query_(query), cell_(query.cell()), what_(query.what), scratch_(scratch), out_(out), most_(most) {}
 
-  /// Searches the first of `points`, and returns how many points were searched.
+  /// Searches `points` one after another until the lists hold `most_` neighbours in total. Returns the number of
+  /// searched points.
   std::uint32_t run(const CellSubset& points) {
     scratch_.near.find(query_, 0);
     if (!unlimited()) settle_first(points[0]);
@@ -357,7 +358,7 @@ class GatheredSearch {
   const hwy::Sorter sort_;
   const std::uint64_t most_;
   std::uint32_t own_begin_ = 0;  ///< number, among the gathered points, of the first point of the searched leaf
-  bool by_bins_ = true;          ///< false after too many neighbours of a point of the leaf have shared bins
+  bool by_bins_ = true;          ///< false once sorting by bins has failed for a point of the leaf
   Vec3 settled_at_;              ///< position of the point searched last
   double settled_reach_ = std::numeric_limits<double>::infinity();  ///< reach of the point searched last
 };

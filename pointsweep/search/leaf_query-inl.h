@@ -225,8 +225,8 @@ struct Group {
     const hn::RebindToUnsigned<Lanes> du;
     const std::size_t first = (packed.leaves - 1) * kLeafCapacity;
     const Vec limit = hn::Min(selection.list[K], radius_key);
-    // First computes all keys and finds the candidates that any query needs, then inserts these candidates: one branch
-    // to mispredict instead of sixteen.
+    // The first loop computes all keys and finds the candidates that any query needs; only these candidates are
+    // inserted. So the processor may mispredict one branch instead of sixteen.
     HWY_ALIGN float keys[kLeafCapacity * hn::MaxLanes(Lanes())];
     std::uint32_t wanted = 0;
     for (std::size_t j = 0; j < kLeafCapacity; ++j) {

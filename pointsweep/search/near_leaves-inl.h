@@ -45,8 +45,9 @@ struct NearLeaf {
 };
 static_assert(kCellCapacity / kLeafCapacity <= 256);
 
-/// Returns a limit for the squared distances of leaves in single precision: a leaf above the limit is surely farther
-/// away than sqrt(reach2). The margin covers the rounding of the distances, even of denormal distances.
+/// Returns a limit for the squared distances of leaves in single precision: a leaf whose squared distance exceeds the
+/// limit is surely farther away than sqrt(reach2). The margin covers the rounding of the distances, even of denormal
+/// distances.
 inline float not_near(double reach2) { return static_cast<float>(reach2 * (1 + 1e-6)) + 0x1p-140f; }
 
 /// Calls found(distance2, leaf) for all leaves of `cell` within sqrt(reach2) of `box`, and for some leaves slightly

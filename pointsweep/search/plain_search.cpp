@@ -36,8 +36,8 @@ void search_leaf(const Cell& cell, std::uint32_t slot, std::uint32_t leaf, Vec3 
   }
 }
 
-/// Factor that makes a distance to a leaf box a lower bound. Boxes are rounded outward in single precision, so that
-/// only the last bits of the subtraction of the origin can make the distance too large.
+/// Factor that makes the computed squared distance to a leaf box a lower bound. Boxes are rounded outward in single
+/// precision, so that only the last bits of the subtraction of the origin can make the result too large.
 constexpr double kSafety = 1 - 1e-12;
 
 /// Returns whether the points of a leaf or cell that begins with point `first` may belong to the list. `lowest_row` is
