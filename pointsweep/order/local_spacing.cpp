@@ -15,9 +15,8 @@ namespace pointsweep {
 namespace {
 
 constexpr Encoding kSpacingEncoding{"local spacing", 1};
-/// Side of the root cube, relative to the extent of the middle 98 % of the sample. With 2, faces of cubes
-/// would coincide with the ends of that extent: the outermost points of a uniform cloud would be alone in large cubes
-/// and seem sparse.
+/// Side of the root cube, relative to the extent of the middle 98 % of the sample. With 2, faces of cubes would lie at
+/// the ends of that extent: the outermost points of a uniform cloud would be alone in large cubes and seem sparse.
 constexpr double kRootSide = 2.1;
 constexpr int kLevels = 21;          ///< depth of the octree: three indices of this many bits fit in 64 bits
 constexpr int kTableLevels = 4;      ///< the table of runs has an entry for each cube of this level

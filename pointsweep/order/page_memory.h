@@ -12,8 +12,7 @@
 namespace pointsweep {
 
 /// Zeroed memory whose pages take no physical memory until a thread touches them. The destructor returns the pages to
-/// the system. Uses large pages where the system has them: they halve the time of the first access in sequence, and
-/// save most of it at random.
+/// the system. Uses large pages, if any: first accesses take half the time in sequence, and far less at random.
 class PageMemory {
  public:
   PageMemory() = default;

@@ -56,8 +56,7 @@ class Splitters {
 /// those of the first.
 class PieceFinder {
  public:
-  /// Borrows `splitters` and `spacing`. `spacing` tells which places are sparse; it may be null if there is one
-  /// Splitters.
+  /// Borrows `splitters` and `spacing`. `spacing` tells which places are sparse; null if there is one Splitters.
   PieceFinder(std::span<const Splitters> splitters, const LocalSpacing* spacing)
       : splitters_(splitters), spacing_(spacing) {}
 
@@ -81,8 +80,7 @@ std::vector<double> quantile_limits(std::vector<double>& sample, std::size_t pie
 
 /// Returns the subset of the ascending `limits` that leaves every piece but the last at least as thick as four times
 /// the median spacing of its points. Most points of thinner slabs would have neighbours in other slabs. `sample` has
-/// coordinates along the axis, and `spacing` the spacing at each sample point; if `spacing` is empty, all limits are
-/// kept.
+/// coordinates along the axis, `spacing` the spacing at each sample point; an empty `spacing` keeps all limits.
 std::vector<double> limits_not_too_near(std::span<const double> limits, std::span<const double> sample,
                                         std::span<const double> spacing);
 

@@ -24,8 +24,7 @@ class RowStore {
  public:
   /// Without a spill place, all records are in memory. With a spill place, the buffers take about `buffer_bytes`.
   RowStore(std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& spill, std::size_t buffer_bytes);
-  /// Decodes a store whose records are in the kept file `kept`. `buffer_bytes` may differ from that of the encoded
-  /// store.
+  /// Decodes a store whose records are in the kept file `kept`. `buffer_bytes` may have changed since encode().
   RowStore(Decoder& in, std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& kept,
            std::size_t buffer_bytes);
   ~RowStore();
@@ -51,8 +50,7 @@ class BatchedRows {
  public:
   /// `bytes`: bytes of a record.
   BatchedRows(RowStore& store, std::size_t bytes) : store_(store), bytes_(bytes) {}
-  /// Returns a place for the record of a row, filled with zeros. The place is valid until the next call of
-  /// add() or flush().
+  /// Returns a zeroed place for the record of a row, valid until the next call of add() or flush().
   std::byte* add(std::uint64_t row) {
     if (rows_.size() == kMost) flush();
     rows_.push_back(row);
@@ -78,11 +76,9 @@ class BatchedRows {
 /// values that one pass over a cloud carries to the next.
 class RowFile {
  public:
-  /// Makes an empty store with room for `rows` records of `record_bytes` bytes, in a spill file or, without a spill
-  /// place, in memory.
+  /// Makes room for `rows` records of `record_bytes` bytes, in a spill file or, without a spill place, in memory.
   RowFile(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& spill);
-  /// Reads records that are stored elsewhere: fills `records` with those of `row` and the rows after it. Must be
-  /// thread-safe.
+  /// Fills `records` from `row` on with records that are stored elsewhere. Must be thread-safe.
   using ReadRecords = std::function<void(std::uint64_t row, std::span<std::byte> records)>;
   /// Makes a store of `rows` records that `read` returns; append(), extend() and write() must not be called.
   RowFile(std::uint64_t rows, std::size_t record_bytes, ReadRecords read);

@@ -15,8 +15,7 @@
 namespace pointsweep {
 
 /// Growing lists of fixed-size records, here called slabs. append() fills blocks of `block_bytes`; full blocks stay in
-/// memory or go to the spill file in one write each. The order of the records of a slab does not change after
-/// finish().
+/// memory or go to the spill file in one write each. finish() fixes the order of records in a slab.
 class SlabStore {
  public:
   /// A store that spills takes about slabs * block_bytes of memory for records until finish(), and none afterwards.

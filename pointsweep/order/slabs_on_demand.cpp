@@ -222,8 +222,7 @@ class SlabsOnDemand::State {
     copy_by_row(record_.schema(), records, slabs_.blocks, out);
   }
 
-  /// Adjacent slabs [first, end) whose blocks were decoded again. The slabs stay in memory until a read of another slab
-  /// decodes blocks again.
+  /// Adjacent slabs [first, end) whose blocks were decoded again, in memory until other slabs replace them.
   struct Again {
     Again(std::size_t from, std::size_t to, std::size_t record_bytes, std::size_t block_bytes)
         : first(from), end(to), slabs(to - from, record_bytes, block_bytes, nullptr) {}
@@ -254,8 +253,7 @@ class SlabsOnDemand::State {
   }
 
   /// Returns the range of slabs around `slab` that fits in memory, with up to most_points_ / 2 points on each side.
-  /// While points wait for slabs that are read in order, the range is `slab` alone, since the waiting points use the
-  /// memory.
+  /// While points wait for reads in order, the range is `slab` alone, since these points use the memory.
   std::pair<std::size_t, std::size_t> slabs_around(std::size_t slab) const {
     std::size_t first = slab, end = slab + 1;
     {

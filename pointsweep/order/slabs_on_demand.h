@@ -34,8 +34,8 @@ struct CountedSlabs {
   std::vector<SlabBlock> blocks;             ///< ascending by first row; blocks without points are left out
 };
 
-/// Returns the largest number of points that are decoded and not yet returned in a slab, if slabs are read in order, up
-/// to `ahead` slabs at once.
+/// Returns the largest number of points that are decoded and not yet returned in a slab, if up to `ahead` slabs at once
+/// are read in order.
 std::uint64_t most_waiting(const CountedSlabs& slabs, std::size_t ahead);
 
 /// Returns the bytes of a memory block for the waiting points of a slab: small relative to the slab, so that little of
@@ -64,9 +64,8 @@ class SlabsOnDemand {
 };
 
 /// Estimates the largest number of points that are decoded and not yet returned in a slab. Assumes that all rows of a
-/// box are decoded when the slabs being made reach the begin of the box along the axis. Slabs have `slab_points`
-/// points, and `ahead` slabs are made at once; quantiles of `sample` tell where slabs end. The result is at most
-/// `points`.
+/// box are decoded when the slabs being made reach the begin of the box along the axis. `ahead` slabs of `slab_points`
+/// points are made at once; quantiles of `sample` tell where slabs end. The result is at most `points`.
 std::uint64_t estimate_waiting(std::span<const RowBox> boxes, int axis, std::span<const Vec3> sample,
                                std::uint64_t points, std::uint64_t slab_points, std::size_t ahead);
 

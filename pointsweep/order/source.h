@@ -42,8 +42,7 @@ void read_fully(const PointSource& source, const ReadRows& read, std::uint64_t r
 /// Returns the indices of the fields x, y and z.
 std::vector<std::size_t> position_columns(const Schema& schema);
 
-/// A reader of blocks of rows for one thread, which also decodes their positions. Other threads may use readers of
-/// their own at the same time.
+/// A reader of blocks of rows for one thread, which also decodes their positions. Other threads use their own readers.
 class BlockReader {
  public:
   /// `wanted`: the required fields; empty: all. The source must outlive the reader and have for_thread().
@@ -99,8 +98,8 @@ void for_each_task(std::size_t rows, const Work& work) {
   parallel_for_blocks(rows, kTaskRows, [&](std::size_t first, std::size_t n, unsigned) { work(first, n); });
 }
 
-/// Returns how many rows of `bytes` bytes all threads together should take at once: about 1 MiB of rows, up to 4 MiB
-/// for many threads.
+/// Returns how many rows of `bytes` bytes all threads together should take at once: 1 MiB of rows, up to 4 MiB for many
+/// threads.
 std::size_t rows_at_once(std::size_t bytes);
 
 }  // namespace pointsweep

@@ -187,8 +187,7 @@ struct Stream::State {
   }
 
   /// Joins adjacent pieces that have at most `aim` points together, since the cells of a thin slab would be flat. A
-  /// piece whose points all have one position stays a slab of its own, so that it need not wait for the slabs around
-  /// it.
+  /// piece whose points all have one position stays a slab of its own, which need not wait for the slabs around it.
   static std::vector<PiecedSlab> join(const std::vector<StreamPiece>& pieces, std::uint64_t aim) {
     std::vector<PiecedSlab> slabs;
     bool after_copies = false;
@@ -213,8 +212,7 @@ struct Stream::State {
   }
 
   /// Inserts each slab of `others` into `slabs` as late as possible, but before the first slab that reaches the begin
-  /// of this or a later slab of `others`: the points of the first slab would otherwise wait for few points. Both lists
-  /// keep their order.
+  /// of this or a later slab of `others`, so that slabs do not wait for these few points. Both lists keep order.
   void merge(std::vector<PiecedSlab> others) {
     const std::vector<double> begin_of_others = least_begins(others);
     std::vector<PiecedSlab> merged;
@@ -243,8 +241,7 @@ struct Stream::State {
     nonfinite_list = sort_list_by_row(nonfinite_list, record.schema(), by_row, *store);
   }
 
-  /// Joins the counted pieces into slabs and returns the slabs. If that is not possible, returns nothing, and the
-  /// reason in `why_not`.
+  /// Joins the counted pieces into slabs and returns the slabs, or nothing and, in `why_not`, the reason.
   std::optional<CountedSlabs> join_counted(const PieceCounts& counts, const std::vector<Splitters>& splitters,
                                            const StreamOptions& options, std::string& why_not) {
     if (counts.nonfinite > 0) {

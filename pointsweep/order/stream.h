@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The ordered stream: the slabs of a cloud in order, made by a distribution pass (distribution.h; paper, Sections 3
-/// and 7.1).
+/// The ordered stream: the slabs of a cloud in order, made by a pass of distribution.h (paper Sections 3 and 7.1).
 #pragma once
 
 #include <cstddef>
@@ -59,8 +58,8 @@ struct OnDemandOptions {
 };
 
 /// Slabs of a part of a cloud (part/part_stream.h), which a process sweeps alone. Functions read their records. The
-/// first slabs are swept; later slabs are for the recall, which reads slabs again to finish points
-/// that the sweep could not finish (sweep/recall.h).
+/// first slabs are swept; later slabs are for the recall, which reads slabs again for points that the sweep could not
+/// finish (sweep/recall.h).
 struct StoredSlabs {
   int axis = 0;
   std::vector<Slab> slabs;

@@ -70,8 +70,7 @@ class Surveyor {
     }
   }
 
-  /// Reads all rows on all threads. Takes the sample (all rows if there are at most kSample) and the bounds of all
-  /// finite points.
+  /// Reads all rows on all threads. Takes the sample (of at most kSample rows) and the bounds of all finite points.
   void look_at_all() {
     std::optional<SampledRows> rows;
     if (source_.count > kSample) rows.emplace(source_.count);
