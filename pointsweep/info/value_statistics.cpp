@@ -196,7 +196,8 @@ void RankSearch::divide(const Interval& interval, std::span<std::uint64_t> room,
   for (std::uint8_t r = interval.first; r < interval.last;) {
     while (before + room[interval.at + part] <= ranks_[r]) before += room[interval.at + part++];
     const std::uint64_t inside = room[interval.at + part], least = interval.least + (part << interval.shift);
-    const std::uint64_t further = (std::uint64_t{1} << interval.shift) - 1;  // keys of the part after its least
+    const std::uint64_t further =
+        (std::uint64_t{1} << interval.shift) - 1;  // number of keys of the part above its least key
     const std::uint8_t first = r;
     for (; r < interval.last && ranks_[r] < before + inside; ++r) {
       ranks_[r] -= before;

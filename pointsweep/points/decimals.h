@@ -13,8 +13,8 @@ namespace pointsweep {
 /// Largest number of digits after the decimal point that decimals_of() tries.
 inline constexpr int kMostDecimals = 9;
 
-/// Returns the smallest number of digits after the decimal point, up to kMostDecimals, with which `value` is the
-/// float64 nearest to a decimal fraction; nullopt if there is no such number.
+/// Returns the smallest number of digits, up to kMostDecimals, such that `value` is the float64 nearest to a decimal
+/// fraction with that many digits after the point; nullopt if there is no such number.
 std::optional<int> decimals_of(double value);
 
 /// Finds a step of which all added values are multiples, such as 0.01 or 0.00025. LAS outputs take the step of float64

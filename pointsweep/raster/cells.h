@@ -25,7 +25,8 @@ struct AxisRule {
 class BandedRows {
  public:
   explicit BandedRows(AxisRule rule) : rule_(rule) {}
-  /// Returns whether `number` is the first of a new band.
+  /// Returns whether `number`, the next number for place_of(), ends a band and begins another. The first number of all
+  /// ends no band.
   bool begins_band(double number) const;
   /// Returns the place of a number in its band. `number` must not be less than in the call before.
   std::uint64_t place_of(double number);

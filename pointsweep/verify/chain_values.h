@@ -67,7 +67,8 @@ class ChainValues {
   /// only the point itself treats such points as any other, and a cloud formula may state their values
   /// (CloudFormula::unplaced). All other stages leave them unchanged.
   ChainResults evaluate_unplaced(std::span<const KnownPoint> points, RowSource& in) const;
-  /// Returns the bytes of memory for each point of the surroundings, in addition to its list.
+  /// Returns the bytes that the values and estimates of a point of the surroundings take, without its place, its row
+  /// and its list of neighbours.
   std::size_t bytes_per_point() const;
   /// Returns an attribute of all rows, computed by the operators themselves and so equal bit by bit to the attribute
   /// that a run makes. Works only for attributes of local stages that follow local stages. The values are ordered by

@@ -14,9 +14,10 @@
 
 namespace pointsweep {
 
-/// The points [first, first + size) of a batch. Every function makes a new array, which may be kept. The object belongs
-/// to Python but borrows the points: after end() every function throws UsageError. Lists are padded to width(), the
-/// length of the longest one, with NaN, or 0 for integers.
+/// The points [first, first + size) of a batch. Every function that returns an object makes a new array, which may be
+/// kept. The PointBatch belongs to Python but borrows the points: after end() these functions throw UsageError. Lists
+/// of neighbours are padded to width(), the length of the longest one: values with NaN, or 0 for integers, and row
+/// numbers as neighbor_rows() says.
 class PointBatch {
  public:
   /// `contract`: contract of the operator. `in` and `contract` must stay valid until end().

@@ -83,7 +83,8 @@ class InputCloud {
   /// Returns the number of the input that has row `row`, and the number of the row in that input, counting dropped
   /// rows. Not thread-safe.
   std::pair<std::size_t, std::uint64_t> place_of_row(std::uint64_t row);
-  /// Returns the first row of each input, and last the number of all rows.
+  /// Returns, for each input, the number of rows of the cloud in the inputs before it, and as the last element the
+  /// number of rows of the cloud. Rows that selection() leaves out do not count.
   std::vector<std::uint64_t> first_rows() const;
   /// Returns the number of row `row` among the rows of all inputs, counting dropped rows. Not thread-safe.
   std::uint64_t input_row(std::uint64_t row);

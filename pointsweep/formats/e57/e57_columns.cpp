@@ -63,7 +63,8 @@ Field component_of(const Field& field, std::uint32_t component) {
   return one;
 }
 
-/// Gives the fields of a group their names in E57 if all fields of the group exist and `may_be` is true for each.
+/// Sets the names in E57 of the fields of a group if the schema has all of them, each with one component, and `may_be`
+/// is true for each; else changes nothing.
 template <std::size_t N, class MayBe>
 void name_group(const Schema& schema, const std::array<std::string_view, N>& group, MayBe may_be,
                 std::vector<std::string>& names) {

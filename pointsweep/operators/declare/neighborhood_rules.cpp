@@ -105,7 +105,8 @@ double scale_of(Vec3 farthest) {
   return reciprocal_of_power(power_of_two_below(largest));
 }
 
-/// Computes the covariances of p_i and its k nearest neighbours about their mean, for k from `least` to in.count(i).
+/// Computes, for each k from `least` to in.count(i), the covariance of p_i and its k nearest neighbours about their
+/// mean, times the number of points and `scale` squared; the factor does not change ratios of eigenvalues.
 void covariances(const Neighborhoods& in, std::size_t i, std::size_t least, double scale,
                  std::vector<Symmetric3>& out) {
   Symmetric3 squares;

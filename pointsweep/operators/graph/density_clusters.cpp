@@ -57,7 +57,7 @@ std::optional<NeighborRef> nearest_core(const Neighborhoods& in, std::size_t i, 
   return nearest;
 }
 
-/// Returns core, N u8: 1 for core points.
+/// Returns core, one uint8 per point: 1 for core points.
 Attribute core_attribute() { return scalar("core", Type::u8, "1", "1: at least min_points points within eps"); }
 
 /// Makes core: 1 for a point if at least `min_points` points, the point itself included, lie within `eps` of the point.

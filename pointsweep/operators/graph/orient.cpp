@@ -158,7 +158,7 @@ class OrientationVotes final : public VoteRule {
   std::optional<Vec3> viewpoint_;
 };
 
-/// Returns normal_turned, N u8: 1 if the operator orient has negated the normal.
+/// Returns normal_turned, one uint8 per point: 1 if the operator orient has negated the normal.
 Attribute normal_turned_attribute() {
   return scalar("normal_turned", Type::u8, "1", "1: orient has turned the normal");
 }

@@ -15,7 +15,7 @@
 
 namespace pointsweep {
 
-/// Returns classification, N u8, classes of LAS: 2 ground, 1 unclassified.
+/// Returns classification, one uint8 per point, classes of LAS: 2 ground, 1 unclassified.
 Attribute classification_attribute();
 
 /// Indices of attributes in the values of a point; nullopt for an attribute that the cloud lacks or the options ignore.

@@ -60,7 +60,7 @@ inline Attribute component_number(const std::string& name, std::string meaning, 
   return {name, type, Kind::index, {name}, "1", std::move(meaning), std::byte{0xff}};
 }
 
-/// Returns the attribute `name`, N u32 or u64: the number of points in the component of a point.
+/// Returns the attribute `name`, one uint32 or uint64 per point: the number of points in the component of a point.
 inline Attribute component_size(std::string name, std::string meaning, std::uint64_t points) {
   return scalar(std::move(name), has_short_numbers(points) ? Type::u32 : Type::u64, "1", std::move(meaning));
 }

@@ -98,7 +98,8 @@ HWY_INLINE Vec3Lanes<V> OwnVectors(const Tile& tile, std::size_t a, std::size_t 
   });
 }
 
-/// Numbers that belong to the neighbours of a tile, neighbour after neighbour.
+/// A value for each neighbour that a tile holds: the values of the first held neighbours of all its points, then those
+/// of the second ones, and so on.
 template <class T>
 struct NeighborArray {
   HWY_ALIGN T of[Tile::kRoom];

@@ -104,8 +104,8 @@ class PointCells::View {
   /// some points may be missing.
   bool within(const Box& box, const std::function<void(const CellPoint&)>& use);
   enum class Collected : std::uint8_t { all, too_many, lacks_cells };
-  /// Adds the points that `bound` does not exclude to `to`, until it has more than `most`. `places`: box of
-  /// the places of `bound`.
+  /// Appends to `to` the points that `bound` does not exclude, and stops when `to` has more than `most` points.
+  /// `places`: the box of the query places for which `bound` was made.
   Collected collect(const Box& places, const NearestBound& bound, std::size_t most, std::vector<CellPoint>& to);
 
  private:

@@ -19,10 +19,10 @@
 namespace pointsweep {
 namespace {
 
-/// Makes "neighbor_count", N u32: |N_i|, the point itself not counted; and "neighbor_radius", N f64: the distance to
-/// the farthest neighbour, in length units, at the current positions; 0 without neighbours, NaN if a neighbour has no
-/// finite place. The values show the choice of a rule of neighbourhoods, and both can be the limits of a later run
-/// (PDAL stores them under the names OptimalKNN and OptimalRadius).
+/// Makes "neighbor_count", one uint32 per point: |N_i|, the point itself not counted; and "neighbor_radius", one
+/// float64 per point: the distance to the farthest neighbour, in length units, at the current positions; 0 without
+/// neighbours, NaN if a neighbour has no finite place. The values show the choice of a rule of neighbourhoods, and both
+/// can be the limits of a later run (PDAL stores them under the names OptimalKNN and OptimalRadius).
 class NeighborhoodSize final : public LocalOperator {
  public:
   std::string name() const override { return "neighborhood_size"; }
@@ -65,7 +65,7 @@ Ball ball_of(const Neighborhoods& in, std::size_t i, std::optional<double> radiu
 }
 
 /// Makes "surface_density" m / (π R²), points for each unit of area of a plane through the point, which cuts a disc of
-/// radius R out of the ball; and "volume_density" m / (4/3 π R³). N f32 each.
+/// radius R out of the ball; and "volume_density" m / (4/3 π R³). One float32 of each per point.
 ///   Without a radius: R is the distance to the farthest neighbour and m = |N_i|; the point itself is not counted.
 ///   With a radius: R is the radius, m the number of points within it, inclusive, the point itself counted, as in
 ///   CloudCompare.

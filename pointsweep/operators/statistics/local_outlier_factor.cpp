@@ -37,8 +37,8 @@ double larger(double a, double b) { return std::isnan(a) || std::isnan(b) ? kNon
 
 double quotient(double r, double by) { return std::isinf(r) && std::isinf(by) ? 1 : r / by; }
 
-/// The attributes that the operators below make, N f64 each: NaN for points without neighbours, and for points with a
-/// neighbour that has no finite place.
+/// The attributes that the operators below make, one float64 of each per point: NaN for points without neighbours, and
+/// for points with a neighbour that has no finite place.
 Attribute k_distance_attribute() { return nan_scalar("k_distance", "length", "distance to the farthest neighbour"); }
 
 Attribute reachability_density_attribute() {

@@ -21,10 +21,10 @@ struct OutlierRule {
   bool threshold_is_outlier = false;  ///< true if a distance equal to the threshold is an outlier
 };
 
-/// Returns mean_distance, N f64, in length units: the mean distance to the neighbours; NaN without neighbours, or if a
-/// neighbour has no finite place.
+/// Returns mean_distance, one float64 per point, in length units: the mean distance to the neighbours; NaN without
+/// neighbours, or if a neighbour has no finite place.
 Attribute mean_distance_attribute();
-/// Returns outlier, N u8: 1 for outliers, else 0.
+/// Returns outlier, one uint8 per point: 1 for outliers, else 0.
 Attribute outlier_attribute();
 
 /// Computes {mean, deviation, count} of the finite values d of a scalar. The deviation is sqrt(Σ (d - mean)² / (n -

@@ -38,7 +38,8 @@ const OptionTable<SimplifyOptions>& simplify_options() {
 
 double most_of(const SimplifyOptions& options) { return options.most.value_or(kMostOfErrors * options.error); }
 
-/// Returns simplify_radius, N f64, in length units: the distance up to which a kept point may represent the point.
+/// Returns simplify_radius, one float64 per point, in length units: the distance up to which a kept point may represent
+/// the point.
 Attribute simplify_radius_attribute() {
   return scalar("simplify_radius", Type::f64, "length", "distance within which a kept point represents this one");
 }

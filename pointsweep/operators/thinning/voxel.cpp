@@ -93,7 +93,7 @@ class OneOfEachVoxel final : public InOrderWork {
 
 /// An attribute that is averaged. Other attributes keep the value of the kept row.
 struct AveragedAttribute {
-  Attribute made;                ///< the mean, with the type and fields of the averaged attribute
+  Attribute made;                ///< the mean, with the type and fields of the average; normal_attribute() for normals
   std::vector<Attribute> reads;  ///< the averaged attribute, or scalars of the input that are its fields
   bool is_direction = false;     ///< true if the mean is normalised to a unit vector
 };

@@ -71,7 +71,7 @@ struct PlannedPass {
   std::vector<std::byte> fill_record() const;
   /// Returns the stage that emits edges; null if there is none. Its attributes are known when the sweep has ended.
   const Stage* connecting_stage() const;
-  /// Returns the indices of the fields of `input` that must travel with the points.
+  /// Returns the indices of the fields of `input` that the working records of the pass must contain.
   std::vector<std::size_t> payload() const;
   /// Sets plan.file_columns: replaces the names in `file_fields` by indices of fields of `working_record`.
   void bind(const Schema& working_record);

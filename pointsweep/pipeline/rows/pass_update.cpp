@@ -274,7 +274,7 @@ void PassUpdate::decide(const UpdatedRows& rows, std::vector<Task>& tasks) {
   });
 }
 
-/// Stores the kept rows of a task and adds them to the values.
+/// Stores the kept rows of a task, and reduces them into the values of the whole cloud (PassValues).
 void PassUpdate::keep(const UpdatedRows& rows, const Task& task, unsigned worker) {
   Room& room = rooms_[worker];
   const std::byte* const carried = compact(rows.after, carried_bytes_, task, room.carried);

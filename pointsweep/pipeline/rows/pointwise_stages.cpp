@@ -137,7 +137,8 @@ StageTally run_rows(const PlannedPass& pass, const PointSource& source,
     return std::span<const std::byte>(records);
   };
   const std::size_t turns = (source.count + most - 1) / most;
-  std::optional<Prefetch<std::span<const std::byte>>> ahead;  // another thread may read the source at the same time
+  // Reads the records of the next turn in the background; absent if only one thread at a time may read the input.
+  std::optional<Prefetch<std::span<const std::byte>>> ahead;
   if (input.is_parallel()) ahead.emplace(read, 0, turns, 1);
   std::vector<std::byte> results;
   std::vector<std::uint64_t> rows;

@@ -32,7 +32,8 @@ bool is_resumed_in_order(const Context& context) {
 }
 
 StreamOptions stream_options(const Context& context, const PointsInOrder& how, const MemoryPlan& memory) {
-  // The reorder of the output has no checkpoints, so its file may have the name of the first stream.
+  // The reorder of the output after the passes saves no checkpoint, so its file may have the name of the first stream.
+  // Without passes (a sort) it is the first stream.
   const std::size_t number = how.pass == context.plan.passes.size() ? 0 : how.pass;
   return {.axis = how.points.survey.axis,
           .slab_points = memory.slab_points,

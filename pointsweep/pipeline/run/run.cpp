@@ -124,7 +124,7 @@ class Phases {
   void order(std::size_t p, const Context& context) {
     ordered_ = std::make_unique<Ordered>(order_pass(context, work_, p, rows_, std::move(points_), files_));
     points_ = {.survey = ordered_->survey, .boxes = {}};
-    const bool of_rows = p == context.plan.passes.size() && p > 0;  // the reorder of the output has no checkpoints
+    const bool of_rows = p == context.plan.passes.size() && p > 0;  // the reorder after the passes saves no checkpoint
     if (checkpoints_ != nullptr && !of_rows)
       checkpoints_->in_order(ordered_->stream, ordered_->memory.slab_points, ordered_->bucket_places);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Storages in folders, whose files are the objects: a folder of one run on this machine, a folder that several
-/// processes on several machines share, and a part of a bucket.
+/// Storages whose objects are files: of a folder of one run on this machine, and of a folder that several processes on
+/// several machines share; and a storage whose objects are those of a bucket below a prefix.
 #pragma once
 
 #include <filesystem>

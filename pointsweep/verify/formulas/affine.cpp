@@ -66,8 +66,9 @@ Place Affine::moved(const Place& p) const {
   return {{sum[0], sum[1], sum[2]}, norm({error[0], error[1], error[2]})};
 }
 
-/// The error of the result: an error of the vector turns its image by at most this error times the condition number of
-/// the map. The rounding of the numbers of the map has an equal effect.
+/// The error of the result is a length. An error e of the vector changes its image, scaled back to the length of the
+/// vector, by at most 2 e times the condition number of the map; the rounding of the map's numbers counts as such an
+/// error.
 Estimate Affine::of_same_length(Vector directed, const Estimate& before) const {
   Estimate after = before;
   const Real size = norm(directed), length = norm(before.value);

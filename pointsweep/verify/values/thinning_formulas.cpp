@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Formulas of the attributes that operators of operators/thinning/ make: means of voxels, and levels of detail.
+/// Formulas of attributes that operators of operators/thinning/ make: the means of `voxel` and the levels of `level`.
 #include <cstdint>
 #include <optional>
 #include <unordered_map>
