@@ -293,7 +293,7 @@ def test_flags_numbers_and_names_of_wrong_types_are_sentences(tmp_path):
         with pytest.raises(ps.UsageError, match=re.escape(words)):
             call()
     assert file.read_text() == "kept"
-    assert ps.plan(xyz, "normals", axis=np.int64(1)) == ps.plan(xyz, "normals", axis=1)
+    assert ps.plan(xyz, "normals", axis=np.int64(1), memory="64M") == ps.plan(xyz, "normals", axis=1, memory="64M")
 
 
 def test_numbers_of_more_than_64_bits_are_refused_in_a_sentence():
