@@ -18,13 +18,13 @@
 namespace pointsweep {
 namespace {
 
-/// Files whose headers are equal except for counts and bounds.
+/// Files that agree in what kind_of() compares: format, clock, attributes and coordinate reference system.
 struct AlikeFiles {
   FileInfo first;         ///< header of the first file, without extras
   std::size_t files = 0;  ///< number of files, including the first
 };
 
-/// Kinds of files with equal headers, in the order of their first files.
+/// Some groups of files with equal kind_of(), in the order of their first files.
 using SomeKinds = std::vector<const AlikeFiles*>;
 
 /// Distinct values in the order of their first occurrence, each with the files that have it.
@@ -115,7 +115,7 @@ FilesOfValues clocks_of(const SomeKinds& files) {
   return clocks;
 }
 
-/// Returns "uint16", "int32[3]" or "int32 (scale 0.01)".
+/// Returns a text such as "uint16", "int32[3]" or "int32 (scale 0.01)".
 std::string storage_of(const Field& field) {
   std::string text(name_of(field.type));
   if (field.count > 1) text += fmt::format("[{}]", field.count);
@@ -175,7 +175,8 @@ void note_types(std::vector<std::string>& sentences, const std::vector<SharedAtt
     sentences.push_back(fmt::format("Types of {} differ: {}.", list_of(names), text));
 }
 
-/// Returns a text that is equal for files whose headers are equal except for counts and bounds.
+/// Returns a text that is equal for files with the same format, clock of the GPS times, coordinate reference system,
+/// and names, types and scales of the attributes, in the same order.
 std::string kind_of(const FileInfo& info) {
   std::string text = info.format + '\n' + clock_of(info);
   for (const Field& field : info.schema.fields) text += '\n' + field.name + '\n' + storage_of(field);
@@ -198,7 +199,7 @@ struct SomeFiles {
 };
 
 struct Extent {
-  std::array<double, 7> key;  ///< points and bounds
+  std::array<double, 7> key;  ///< number of points, least x, y and z, greatest x, y and z
   std::string path;
 };
 
@@ -233,7 +234,7 @@ struct FileComparison::Known {
   std::unordered_map<std::string, std::size_t> place_of;  ///< index in `alike`, by kind_of()
   SomeFiles empty, with_nonfinite;
   std::uint64_t nonfinite = 0;
-  std::vector<Extent> extents;  ///< extents of files with two points or more
+  std::vector<Extent> extents;  ///< of files with two points or more, at least one of them finite
 };
 
 FileComparison::FileComparison() : known_(std::make_unique<Known>()) {}

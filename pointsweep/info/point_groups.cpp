@@ -46,8 +46,8 @@ std::uint32_t PointGroups::number_of(std::uint64_t key, std::size_t most) {
   return known->second;
 }
 
-/// Throws UsageError for a value that is not a whole number. The values decide and not the type of the field, because
-/// text files have float64 fields even for classes.
+/// Throws UsageError for a value that is not a whole number, or is a real number of 2^63 or more in magnitude. The
+/// values decide and not the type of the field, because text files have float64 fields even for classes.
 void PointGroups::require_whole(std::uint64_t key) const {
   if (values_->is_whole()) return;
   const double value = values_->real(key);

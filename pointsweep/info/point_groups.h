@@ -14,8 +14,8 @@
 
 namespace pointsweep {
 
-/// Numbers the distinct values of an attribute, which are whole numbers, from 0 in the order of their first occurrence.
-/// Without an attribute all points are group 0.
+/// Numbers the distinct values of an attribute from 0 in the order of their first occurrence. The values must be whole
+/// numbers. Without an attribute all points are group 0.
 class PointGroups {
  public:
   PointGroups() : keys_({0}) {}
@@ -23,15 +23,15 @@ class PointGroups {
   PointGroups(const Schema& schema, const std::string& by);
 
   /// Writes the group of each record; records are `stride` bytes apart. Throws UsageError for a value that is not a
-  /// whole number, and for more than `most` groups, or PointStatistics::kMostGroups. With `most` 0, for a later reading
-  /// of the same points, a new value throws Error.
+  /// whole number (a real number must also be below 2^63 in magnitude), and for more groups than `most` or
+  /// PointStatistics::kMostGroups. `most` is 0 in later readings of the same points, in which a new value throws Error.
   void find(std::span<const std::byte> records, std::size_t stride, std::size_t most,
             std::vector<std::uint32_t>& groups);
 
   std::size_t size() const { return keys_.size(); }
   /// Returns the numbers of the groups, ascending by value.
   std::vector<std::uint32_t> ascending() const;
-  /// Returns the value of a group, a whole number.
+  /// Returns the value of a group, a whole number. Must not be called without an attribute.
   AttributeValue value(std::uint32_t group) const;
   const std::string& name() const { return name_; }
 

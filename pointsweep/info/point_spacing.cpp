@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr double kSmallestSide = 0x1p-40, kMostCells = 0x1p62;  // kMostCells: number of cells on either side of 0
+constexpr double kSmallestSide = 0x1p-40, kMostCells = 0x1p62;  // kMostCells: limit for an index in magnitude
 
 std::size_t place_of(std::int64_t x, std::int64_t y, std::size_t size) {
   std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u;

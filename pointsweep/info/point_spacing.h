@@ -11,14 +11,15 @@
 
 namespace pointsweep {
 
-/// Counts the occupied cells of a square grid in x and y. The side of a cell is the smallest power of two for which the
-/// bounds of the points cover at most `limit` cells, occupied or not. The side does not depend on the order of the
-/// points or their places within the bounds; with fewer points the cells are as large or larger. Memory: 48 to 96 bytes
-/// × limit, and twice that while the side is doubled.
+/// Counts the occupied cells of a square grid in x and y. If points lie at more than `limit` places, the side of a cell
+/// is the smallest power of two, from 2^-40 on, for which the bounds of the points cover at most `limit` cells,
+/// occupied or not. This side does not depend on the order of the points or their places within the bounds; with fewer
+/// points in the same bounds the cells are as large or larger. Memory: 48 to 96 bytes × limit, and twice that while the
+/// side is doubled.
 class PlanArea {
  public:
-  /// Limits the number of cells to a sixteenth of `points`, at least 16 and at most 65,536. A cell of a cloud that
-  /// fills its bounds holds 16 to 64 points on average, or more.
+  /// Sets `limit` to a sixteenth of `points`, at least 16 and at most 65,536. A cell of a cloud that fills its bounds
+  /// holds about 16 to 64 points on average; more in clouds of more than 2^20 points, fewer in those of less than 256.
   explicit PlanArea(std::uint64_t points);
 
   /// Adds a point with finite coordinates.
@@ -48,9 +49,10 @@ class PlanArea {
   Cell last_;
 };
 
-/// A kd-tree over the points whose distances are sought, the sample. Every node stores the largest nearest distance
-/// found so far of the sampled points in its subtree. A point of the cloud visits a node only if the box of the node is
-/// closer than this distance. Memory is proportional to the size of the sample.
+/// A kd-tree over the sample, the points whose nearest neighbours are sought. Each sampled point has the distance to
+/// its nearest neighbour so far, and each node the square of the largest of these distances in its subtree. A point of
+/// the cloud visits a node only if the box of the node is closer than that. Memory is proportional to the size of the
+/// sample.
 class NearestDistances {
  public:
   struct Sampled {
@@ -68,14 +70,14 @@ class NearestDistances {
  private:
   struct Node {
     Box box;
-    double farthest2;                 ///< largest squared nearest distance in the subtree
-    std::uint32_t begin, end, above;  ///< range in the sample; `above`: second child, 0 in a leaf
+    double farthest2;                 ///< largest of `nearest2_` in the subtree
+    std::uint32_t begin, end, above;  ///< range in `sample_`; `above`: index of the second child, 0 in a leaf
   };
   void build(std::uint32_t begin, std::uint32_t end);
   void visit(std::uint32_t node, Vec3 position, std::uint64_t row);
 
   std::vector<Sampled> sample_;
-  std::vector<double> nearest2_;
+  std::vector<double> nearest2_;  ///< for each sampled point, its squared distance to the nearest neighbour so far
   std::vector<Node> nodes_;
 };
 

@@ -120,7 +120,7 @@ class Column {
   std::vector<RankSearch> searches_;   ///< search of each group
   std::vector<std::uint64_t> room_;    ///< counters of the searches (RankSearch::add())
   std::optional<HistogramBins> bins_;
-  std::vector<std::uint64_t> counts_;  ///< counts of the bins, group after group
+  std::vector<std::uint64_t> counts_;  ///< points in bin b of group g at g * bins_->size() + b
 };
 
 std::vector<Column> columns_of(const Schema& schema, const PointStatisticsOptions& options) {
@@ -151,7 +151,7 @@ class Readings {
 
   PointStatistics run() {
     read(true);
-    points_.resize(groups_.size());  // without an attribute, the group may have no points
+    points_.resize(groups_.size());  // an empty cloud without grouping attribute has one group
     for (Column& column : columns_) column.settle(points_.size(), options_.bins);
     bool counts = std::ranges::any_of(columns_, &Column::has_bins);
     for (std::uint64_t open = open_intervals(); open > 0 || counts; open = open_intervals(), counts = false) {

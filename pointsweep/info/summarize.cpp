@@ -21,8 +21,8 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the largest difference between a bound in the header and the bound of the points that rounding explains:
-/// half a step of the grid plus the rounding of decimal numbers.
+/// Returns the largest difference that rounding explains between a bound in the header and the same bound of the
+/// points: half a step of the grid, and 2^-50 of `bound` for the rounding of decimal numbers.
 double tolerance_of(const Field& coordinate, double bound) {
   return 0.5 * coordinate.scale + 4 * std::abs(bound) * 0x1p-52;
 }
@@ -54,9 +54,8 @@ void add_wrong_counts(const FileSummary& summary, std::vector<std::string>& faul
     faults.push_back(fmt::format("the header counts points by return as {}; there are {}.", header, points));
 }
 
-/// Returns a sentence for each axis on which the header's bounds are wrong by more than half a step of stored
-/// coordinates; for wrong counts of points by return; and for points whose return number exceeds their number of
-/// returns.
+/// Returns a sentence for each axis on which the header's bounds are wrong by more than rounding explains, one for all
+/// wrong counts of points by return, and one for points whose return number exceeds their number of returns.
 std::vector<std::string> header_faults(const FileSummary& summary) {
   const FileInfo& info = summary.info;
   std::vector<std::string> faults;
@@ -71,9 +70,9 @@ std::vector<std::string> header_faults(const FileSummary& summary) {
 }
 
 constexpr std::size_t kPiece = 1 << 16;  // points
-constexpr std::uint64_t kSample = 1000;  // points whose nearest neighbours are found
+constexpr std::uint64_t kSample = 1000;  // largest number of points whose nearest neighbours are found
 
-/// A piece of the file: records, and their positions.
+/// Consecutive points of the file: their records and positions.
 struct Piece {
   std::uint64_t first_row = 0;
   std::size_t count = 0;
@@ -98,8 +97,8 @@ void for_each_piece(Reader& reader, const std::function<void(const Piece&)>& vis
   }
 }
 
-/// One random row from each of kSample equal stretches of rows, so that no period of the file coincides with a period
-/// of the sample.
+/// One pseudo-random row from each of kSample stretches of rows, whose lengths differ by at most 1, so that no period
+/// of the file coincides with a period of the sample. A file of fewer rows has all of them in the sample.
 class SampledRows {
  public:
   explicit SampledRows(std::uint64_t rows) : rows_(rows), stretches_(std::min(kSample, rows)) { advance(); }
@@ -149,7 +148,7 @@ void add_ranges(FileSummary& summary, const Schema& schema, const Piece& piece) 
   }
 }
 
-/// Counts the points of each value of `field` from 0 to N - 1; other values are ignored.
+/// Counts the points of each value of `field`, rounded down, from 0 to N - 1; other values are ignored.
 template <std::size_t N>
 void add_counts(std::array<std::uint64_t, N>& counts, const Field& field, const Schema& schema, const Piece& piece) {
   for (std::size_t i = 0; i < piece.count; ++i) {
@@ -168,7 +167,7 @@ std::uint64_t points_above(const Field& number, const Field& most, const Schema&
   return points;
 }
 
-/// Converts bounds and ranges of integers on a decimal grid to decimal fractions.
+/// Replaces the bounds and ranges of fields that store integers on a decimal grid by decimal fractions (GridDecimals).
 void use_decimals(FileSummary& summary, const Schema& schema) {
   for (std::size_t f = 0; f < schema.fields.size(); ++f) {
     const GridDecimals decimals(schema.fields[f]);

@@ -85,8 +85,8 @@ std::uint64_t ValueMoments::bytes(const ValueKeys& keys, bool sums) {
 
 namespace {
 
-/// The greatest magnitude of an edge in widths. Up to this number, multiples of the width are exact, and no two edges
-/// are equal.
+/// The greatest magnitude of a value in widths. Up to this number, integers and their products with 1, 2 and 5 are
+/// exact in float64, and no two edges are equal.
 constexpr double kMostMultiple = 0x1p50;
 
 /// Returns a / b rounded down; b > 0.
@@ -197,7 +197,7 @@ void RankSearch::divide(const Interval& interval, std::span<std::uint64_t> room,
     while (before + room[interval.at + part] <= ranks_[r]) before += room[interval.at + part++];
     const std::uint64_t inside = room[interval.at + part], least = interval.least + (part << interval.shift);
     const std::uint64_t further =
-        (std::uint64_t{1} << interval.shift) - 1;  // number of keys of the part above its least key
+        (std::uint64_t{1} << interval.shift) - 1;  // the part spans keys from `least` to `least` + `further`
     const std::uint8_t first = r;
     for (; r < interval.last && ranks_[r] < before + inside; ++r) {
       ranks_[r] -= before;

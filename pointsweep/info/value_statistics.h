@@ -22,7 +22,7 @@ namespace pointsweep {
 /// 1.1 kB each.
 class ValueMoments {
  public:
-  /// `sums`: false if only number and range are needed.
+  /// `sums`: false if only number and range are needed; mean() and deviation() must not be called then.
   ValueMoments(const ValueKeys& keys, bool sums);
   void add(const ValueKeys& keys, std::uint64_t key);
 
@@ -51,28 +51,29 @@ class ValueMoments {
   std::uint64_t count_ = 0, nonfinite_ = 0;
   std::uint64_t least_ = std::numeric_limits<std::uint64_t>::max(), most_ = 0;
   Int128 sum_ = 0, squares_ = 0;  ///< sums for whole numbers of up to 32 bits
-  std::unique_ptr<Sums> exact_;   ///< sums for all other values; null if not requested
+  std::unique_ptr<Sums> exact_;   ///< sums for all other values; null for small ones, and if not requested
 };
 
 /// Bins of equal width over a range of values. A bin includes its lower edge and excludes its upper edge. Edges are
-/// multiples of the width: the least of 1, 2 and 5 times a power of ten that gives at most the requested number of
-/// bins, and at least 1 for whole numbers.
+/// multiples of the width. The width is the least product of 1, 2 or 5 and a power of ten that gives at most the
+/// requested number of bins, is at least 2^-50 of the greatest magnitude in the range, and is at least 1 for whole
+/// numbers and for a range of one value.
 class HistogramBins {
  public:
-  /// `least` and `most`: keys of the range. `wanted`: at least 2, because 0 is always an edge and may lie inside of the
-  /// range.
+  /// `least` and `most`: keys of the range. `wanted`: largest number of bins, at least 2, because a 0 inside of the
+  /// range is an edge whatever the width.
   HistogramBins(const ValueKeys& keys, std::uint64_t least, std::uint64_t most, std::uint64_t wanted);
 
   std::size_t size() const { return static_cast<std::size_t>(last_ - first_) + 1; }
-  /// Returns size() + 1 edges, ascending. An edge beyond the range of float64 becomes the greatest float64 number of
-  /// its sign.
+  /// Returns size() + 1 edges, ascending. An edge beyond the range of float64 becomes the finite float64 number of its
+  /// sign with the greatest magnitude.
   std::vector<double> edges() const;
   /// Returns the index, below size(), of the bin that holds the value.
   std::size_t bin_of(const ValueKeys& keys, std::uint64_t key) const;
 
  private:
   void set_width(int digit, int exponent);
-  /// Returns the greatest multiple of the width that is not above the value.
+  /// Returns the greatest integer m for which m times the width is not above the value.
   std::int64_t multiple_below(const ValueKeys& keys, std::uint64_t key) const;
   double edge(std::int64_t multiple) const;
 
@@ -87,8 +88,8 @@ class HistogramBins {
 
 /// Finds the keys at the quantile_rank() of each percentage of PointStatistics::kPercent. The search keeps intervals of
 /// keys, each of which holds some of the ranks. A reading counts the keys in equal parts of each interval; then the
-/// parts that contain ranks replace the interval. If an interval has few keys, the reading collects the keys
-/// themselves. Without open intervals, the search is complete.
+/// parts that contain ranks replace the interval. If an interval has no more keys than its share of the counters, the
+/// reading collects the keys themselves. When no interval is left, the search is complete.
 class RankSearch {
  public:
   static constexpr std::size_t kRanks = PointStatistics::kPercent.size();
@@ -103,20 +104,21 @@ class RankSearch {
   /// end(), from index `next` on, and advances `next` past them.
   void begin(std::uint64_t share, std::uint64_t& next);
   /// Takes the key of one value. `room`: counters in which all intervals count or store keys; all 0 when the reading
-  /// begins.
+  /// begins. Throws Error if an interval gets more keys than an earlier reading counted in it.
   void add(std::uint64_t key, std::span<std::uint64_t> room);
-  /// Ends a reading. Throws Error if its keys differ from the keys of earlier readings.
+  /// Ends a reading. Throws Error if an interval has got another number of keys than an earlier reading counted in it.
   void end(std::span<std::uint64_t> room);
 
   /// Returns the keys found. No interval may be open.
   const std::array<std::uint64_t, kRanks>& keys() const { return found_; }
 
  private:
-  /// The keys from `least` to `most`, whose number is `count`, and the ranks [first, last) to be found among them.
+  /// The keys from `least` to `most`: `count` values have them. `first` and `last`: range in `ranks_` of the ranks to
+  /// be found among these values.
   struct Interval {
     std::uint64_t least, most, count;
     std::uint8_t first, last;
-    std::uint8_t shift = 0;   ///< a part has 2^shift keys
+    std::uint8_t shift = 0;   ///< a part spans 2^shift keys; the last may span fewer
     bool takes_keys = false;  ///< true if `room` stores the keys themselves
     std::uint64_t at = 0;     ///< index in `room` of the first counter of the interval
     std::uint64_t taken = 0;
@@ -124,7 +126,7 @@ class RankSearch {
   void divide(const Interval& interval, std::span<std::uint64_t> room, std::vector<Interval>& parts);
 
   std::vector<Interval> intervals_;            ///< ascending
-  std::array<std::uint64_t, kRanks> ranks_{};  ///< for each key to be found, its rank in its interval
+  std::array<std::uint64_t, kRanks> ranks_{};  ///< for each key to be found, its rank, from 0, in its interval
   std::array<std::uint64_t, kRanks> found_{};
 };
 
