@@ -14,7 +14,7 @@ bool may_hold_neighbors(const Slab& slab, const Suspect& suspect) {
 }
 
 /// Returns the first place in the slab, below `end`, whose point is near enough to the suspect's point along the axis
-/// to be a neighbour.
+/// to be a neighbour; `end` if there is none.
 std::size_t first_within(const SortedSlab& slab, int axis, const Suspect& suspect, std::size_t end) {
   std::size_t low = 0;
   while (low < end) {

@@ -33,8 +33,8 @@ class NearestRanks {
 struct Suspect {
   RuledPoint point;
   std::vector<Rank> kept;  ///< the found N_i, after the rule
-  NearestRanks exact;      ///< nearest of the found and hidden points; the first `written` points are missing
-  std::uint64_t written;   ///< number of points that had been written when `point` came
+  NearestRanks exact;  ///< nearest of the found and hidden points; the first `written` points of the stream are missing
+  std::uint64_t written;  ///< number of points that had been written when `point` came
 };
 
 /// Suspects whose exact result is not complete: it lacks the points that had been written before the suspect came.
@@ -65,8 +65,8 @@ class Suspects {
 /// separate kD-heap, which is searched when a point comes. Points already written lie at or before the last written
 /// point along the axis; if a neighbourhood reaches that far, these points are read again. So the counts are exact:
 /// `incomplete` counts the neighbourhoods that differ from the exact ones. A rule of neighbourhoods (Shortening)
-/// shortens the found list and the exact list before both are compared. The audit only observes, and its time is
-/// measured separately from the algorithm.
+/// shortens the found list and the exact list before both are compared. The audit only observes. Its time is
+/// measured separately from the algorithm, except for written().
 class Audit {
  public:
   /// `stream`: the stream of the ReadOperator, in canonical order.

@@ -57,8 +57,8 @@ class OperatorCall {
   FirstRowError refused_;
 };
 
-/// An operator that adds attributes to a point and reads no made attributes of its neighbours. It processes points as
-/// soon as they come (Section 5.2.1, Figures 12 and 13).
+/// An operator that moves no points and reads no attributes of neighbours (only positions). It processes points as soon
+/// as they come (Section 5.2.1, Figures 12 and 13).
 class ThroughBuffer final : public StreamOperator {
  public:
   explicit ThroughBuffer(OperatorCall& call) : call_(call) {}
@@ -77,8 +77,8 @@ class ThroughBuffer final : public StreamOperator {
   std::vector<StreamPoint*> pulled_;
 };
 
-/// An operator that reads attributes of its neighbours made by earlier operators, such as curvature: the paper's
-/// "simplified" buffer. A point waits until the previous operator has released all its neighbours.
+/// An operator that reads attributes of neighbours, such as curvature: the paper's "simplified" buffer. A point waits
+/// until all its neighbours have passed the previous operator (StreamOperator::smallest_element()).
 class PreBuffer : public StreamOperator {
  public:
   explicit PreBuffer(OperatorCall& call) : call_(call) {}

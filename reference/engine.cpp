@@ -187,7 +187,8 @@ class Pipeline {
     require_memory();
   }
 
-  /// Reports progress. Also called while many points pass an operator in one step.
+  /// Stops a cancelled run, and reports progress at most every kReportSeconds. Also called while many points pass an
+  /// operator in one step.
   void report() {
     stop_if_cancelled();
     const Clock::time_point now = Clock::now();
@@ -227,7 +228,7 @@ class Pipeline {
 
   SweepStatistics statistics_;   ///< `buffers` has a series for each operator
   std::vector<double> seconds_;  ///< processing time of each operator
-  double audit_seconds_ = 0;     ///< time of the audit, which no other time includes
+  double audit_seconds_ = 0;     ///< time of the audit, without Audit::written(), which counts as writing
   Clock::time_point now_, reported_;
   std::uint64_t measured_at_ = 0;  ///< number of points read at the last measurement of memory
   std::vector<std::byte> results_;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// The fields that a point has while it is active, and their places (paper Section 5.1 and Figure 10).
 ///
-/// A field is one place in the point: an operator that makes an attribute again overwrites it, as in the paper. The
-/// buffers and their copies prevent an operator from reading a value that was overwritten too early (the paper's
-/// FairOpFields).
+/// A field is one place in the point: an operator that makes an attribute again, with as many bytes, overwrites it, as
+/// in the paper. The buffers and their copies prevent an operator from reading a value that was overwritten too early
+/// (the paper's FairOpFields).
 #pragma once
 
 #include <cstddef>

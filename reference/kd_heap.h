@@ -19,9 +19,10 @@ namespace pointsweep::reference {
 /// Three more numbers per subtree save visits: the largest reach of its points, the smallest coordinate on the sweep
 /// axis at which one of their neighbourhoods ends, and the largest coordinate of the points on this axis.
 ///
-/// Semi-balanced: if one side holds more than three quarters, the subtree is rebuilt (a scapegoat tree). Equal
-/// coordinates may stand on both sides of a line, so duplicates cannot unbalance it. Depth is O(log m), insertion and
-/// removal O(log m), amortised; the paper says no more of its balancing than the name.
+/// Semi-balanced: if, after an insertion, one side of a node holds more than three quarters of the points of its
+/// subtree and two points more, the subtree is rebuilt (a scapegoat tree). Equal coordinates may stand on both sides of
+/// a line, so duplicates cannot unbalance it. Depth is O(log m), insertion and removal O(log m), amortised; the paper
+/// says no more of its balancing than the name.
 ///
 /// Points are borrowed. While a point is in the heap, its `input` and `index` must not change, and its reach only by
 /// offer_to_all().

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The operators of the stream other than the buffers: their common interface, the read operator Φ_R, the neighbourhood
-/// operator Φ_X and the deferred-write operator Φ_W.
+/// The interface of all operators of the stream, and the operators other than the buffers with their parts: the read
+/// operator Φ_R, the neighbourhood operator Φ_X and the deferred-write operator Φ_W.
 #pragma once
 
 #include <cstddef>
@@ -31,8 +31,8 @@ class StreamOperator {
   virtual StreamPoint* front() = 0;
   virtual void pop_front() = 0;
 
-  /// Returns an index below which all points have been released to the next operator, or to a later one; kNoIndex if
-  /// all points have been released.
+  /// Returns an index below which all points have passed this operator; kNoIndex if all points have. In a
+  /// through-buffer a point passes when it is processed, in all other operators when it is released.
   virtual std::uint64_t smallest_element() = 0;
   /// Returns a lower bound of the indices to which the points in this operator and in earlier operators refer.
   virtual std::uint64_t smallest_reference() = 0;
@@ -117,7 +117,8 @@ class ReadOperator final : public StreamOperator {
   FirstRowError refused_;
 };
 
-/// Writes a point and removes it from the active set when no neighbourhood in earlier operators refers to it any more.
+/// Writes a point and removes it from the active set when no neighbourhood in earlier operators refers to it or to an
+/// earlier point any more.
 class WriteOperator final : public StreamOperator {
  public:
   WriteOperator(ActiveSet& active, std::function<void(StreamPoint&)> write)

@@ -52,13 +52,14 @@ struct Reach {
 };
 
 /// The k nearest points of p_i. The set is first filled with points before p_i in the stream (left-sided), then with
-/// every later point that is nearer than the farthest point in the set (right-sided).
+/// later points (right-sided). A set with k points takes a point that ranks before its farthest point, and drops that
+/// one; a smaller set takes every point offered within the radius.
 class NearestSet {
  public:
   explicit NearestSet(Reach reach) : k_(reach.k), reach2_(reach.radius2) {}
 
-  /// Returns the squared distance within which a point may enter: the distance of the farthest neighbour if the set has
-  /// k neighbours, else the radius.
+  /// Returns the squared distance within which a point may enter: that of the farthest neighbour if the set has k
+  /// neighbours, else the squared radius.
   double reach2() const { return reach2_; }
   bool full() const { return found_.size() == k_; }
   /// Offers a point to the set; returns whether the set changed. O(log k).
@@ -113,14 +114,14 @@ struct StreamPoint {
 
   // Set by the search for neighbours
   NearestSet neighbors;
-  std::uint64_t min_index = kNoIndex;  ///< smallest index of the point and its neighbours
+  std::uint64_t min_index = kNoIndex;  ///< smallest index of the point and its neighbours, or a lower bound
   std::uint64_t max_index = 0;         ///< largest index of the point and its neighbours; known once they are complete
 
   // Points that the search could not see when the point came (Audit)
   static constexpr double kNothing = std::numeric_limits<double>::infinity();
   std::vector<Rank> hidden;    ///< the nearest of the active points that had left S, nearest first
   std::uint64_t written = 0;   ///< number of points of the stream that had been written by then
-  double written2 = kNothing;  ///< squared distance along the axis to the last written point
+  double written2 = kNothing;  ///< squared distance along the axis to the last written point, unless `written` is 0
 
   // Every other field, at the places that Fields gives them: the record of the file, attributes, an operator's copies
   std::unique_ptr<std::byte[]> fields;

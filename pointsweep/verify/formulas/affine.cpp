@@ -20,7 +20,7 @@ Affine::Affine(std::span<const double> rows, double scale, Vector translation) {
 }
 
 /// An entry of A⁻¹ is a cofactor divided by the determinant. The rounding of both is relative to the magnitudes of the
-/// products in them. An error E of A changes A⁻¹ by A⁻¹ E A⁻¹.
+/// products in them. To first order, an error E of A changes A⁻¹ by -A⁻¹ E A⁻¹; the bound is twice its magnitude.
 Affine Affine::inverse() const {
   Affine back;
   const Real determinant = this->determinant();

@@ -32,7 +32,8 @@ class Affine {
   Vector column(std::size_t c) const { return {entry_[0][c], entry_[1][c], entry_[2][c]}; }
   Vector cofactors(std::size_t c) const { return cross(column((c + 1) % 3), column((c + 2) % 3)); }
   Real determinant() const { return dot(column(0), cofactors(0)); }
-  /// Returns `directed`, scaled to the length of `before`, and the error of the result.
+  /// Returns `directed`, scaled to the length of `before`, and the error of the result. If `directed` is 0, the value
+  /// of `before` is returned.
   Estimate of_same_length(Vector directed, const Estimate& before) const;
 
   std::array<std::array<Real, 4>, 3> entry_{}, error_{};

@@ -84,8 +84,9 @@ class Spread {
   Range second() const { return turned(two_); }
 
  private:
-  /// Returns the range of tᵀ D t for a direction t that may be turned by the angle: the value changes by 2 angle
-  /// |t'ᵀ D t|, with t' perpendicular to t, plus terms of second order, and stays between the eigenvalues of D.
+  /// Returns the range of tᵀ D t for a direction t that may be turned by the angle: the value changes by at most 2
+  /// angle |t'ᵀ D t| for a t' perpendicular to t, plus terms of second order. If the angle is infinite, the range is
+  /// that between the eigenvalues of D within the plane.
   Range turned(Real value) const {
     const Real middle = trace() / 2, radius = std::hypot((one_ - two_) / 2, both_);
     const Real angle = std::min<Real>(angle_, 1);

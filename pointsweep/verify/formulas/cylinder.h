@@ -15,10 +15,10 @@ class Cylinder {
  public:
   Cylinder(Vector center, const Estimate& normal, Real diameter, Real depth);
 
-  /// Returns whether the cylinder has an axis: false if the normal is 0. change() then returns counts of 0 and NaN for
-  /// all other values.
+  /// Returns whether the cylinder has an axis: false if the normal is 0 or not finite. change() then returns counts
+  /// of 0, and NaN for all other values.
   bool has_axis() const { return norm(axis_) > 0; }
-  /// Returns whether rounding decides for some point whether the cylinder holds it.
+  /// Returns whether the normal is in doubt, or whether for some point errors decide whether the cylinder holds it.
   bool is_open() const { return open_; }
   /// Returns an upper bound for the squared distance between the centre and points of the cylinder.
   Real reach2() const;
@@ -33,7 +33,8 @@ class Cylinder {
   Real error_, radius_, depth_;  ///< `error_` is the error of the axis
   bool open_ = false;
   std::size_t count_ = 0;
-  Real first_ = 0, sum_ = 0, squares_ = 0, largest_ = 0;  ///< sums over a_j - first_, and the largest |p_j - p|
+  /// The first a_j, the sums of a_j - first_ and of its square, and the largest |p_j - p|.
+  Real first_ = 0, sum_ = 0, squares_ = 0, largest_ = 0;
 };
 
 /// The results of M3C2 for a point: change, level of detection, and the spread and count of each cloud.

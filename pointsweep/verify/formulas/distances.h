@@ -19,19 +19,20 @@ double squared_distance(const Place& p, const Place& q);
 /// the error includes the errors of their positions.
 Estimate distance(const Place& p, const Place& q);
 
-/// Returns the distance to the farthest of `neighbors`, float64; 0 without neighbours, NaN if a moved neighbour has
-/// non-finite coordinates.
+/// Returns the distance to the farthest of `neighbors`, float64; 0 without neighbours, NaN if a distance is NaN, as it
+/// can be for points that an operator has moved.
 Estimate farthest(const Place& p, std::span<const Place> neighbors);
 
 /// The programs whose definitions of a statistical outlier the operator can follow.
 enum class OutlierProgram { pointsweep, pdal, pcl, open3d, cloudcompare };
 
-/// Returns the mean distance to `neighbors`, float64; NaN without neighbours, or if a moved neighbour has no finite
-/// place. In Open3D the point itself counts as a further neighbour at distance 0.
+/// Returns the mean distance to `neighbors`, float64; NaN without neighbours, or if the mean is not finite. In Open3D
+/// the point itself counts as a further neighbour at distance 0.
 Estimate mean_distance(const Place& p, std::span<const Place> neighbors, bool of_open3d);
 
 /// Returns 1 for the mean distance of an outlier, else 0. An outlier has a distance of NaN or above the threshold; in
-/// PDAL and Open3D also equal to the threshold; in Open3D also 0. Undecided if the threshold is NaN.
+/// PDAL and Open3D also equal to the threshold; in Open3D also 0. Open if errors
+/// decide or if the threshold is NaN, unless Open3D's 0 decides.
 Estimate outlier(const Estimate& mean_distance, Real threshold, Real threshold_error, OutlierProgram program);
 
 /// A neighbour in a row of the neighbour graph.
@@ -42,7 +43,7 @@ struct GraphNeighbor {
 };
 
 /// A row of the neighbour graph: neighbours ordered by ((dx² + dy²) + dz²) in float64, equal distances by x, y, z, then
-/// row; points with non-finite coordinates last, by row. `certain` is false if errors of positions may change the
+/// row; points at a distance of NaN last, by row. `certain` is false if errors of positions may change the
 /// order.
 struct GraphRow {
   std::vector<GraphNeighbor> neighbors;
@@ -63,7 +64,8 @@ struct Kept {
 Kept of_least_eigenentropy(const Place& p, std::span<const Place> neighbors, std::size_t least);
 
 /// Returns the number of neighbours within both limits: the first floor(k), and neighbours with ((dx² + dy²) + dz²) <=
-/// radius · radius in float64. A k below 1, a negative radius and NaN allow no neighbour.
+/// radius · radius in float64. A limit that is not given allows all neighbours. `neighbors` come nearest first. A k
+/// below 1, a negative radius and NaN allow no neighbour.
 Kept within_limits(const Place& p, std::span<const Place> neighbors, std::optional<double> k,
                    std::optional<double> radius);
 
@@ -75,9 +77,9 @@ Estimate core_point(const Place& p, std::span<const Place> neighbors, double eps
 struct Densities {
   Estimate surface, volume;
 };
-/// Returns m / (π R²) and m / (4/3 π R³), float32. With a radius, R is the radius and m the number of points within it,
-/// p included. Without a radius, R is the distance of the farthest neighbour and m the number of neighbours. Both are 0
-/// if R is 0 or not finite.
+/// Returns m / (π R²) and m / (4/3 π R³), as float32 and at most the largest float32. With a radius, R is the radius
+/// and m the number of points within it, p included. Without a radius, R is the distance of the farthest neighbour and
+/// m the number of neighbours. Both are 0 if R is 0 or not finite.
 Densities densities(const Place& p, std::span<const Place> neighbors, std::optional<double> radius);
 
 /// Returns the distance to the farthest of the neighbours, float64; NaN without neighbours, or if it is not finite.
@@ -86,7 +88,7 @@ Estimate k_distance(const Place& p, std::span<const Place> neighbors);
 /// the sum is not finite.
 Estimate reachability_density(const Place& p, std::span<const Place> neighbors, std::span<const Estimate> k_distances);
 /// Returns 1/|N| Σ_j r_j / r, float64, where r and r_j are the densities of the point and its neighbours; the quotient
-/// of two infinite densities is 1.
+/// of two infinite densities is 1. NaN without neighbours or if one of the densities is NaN.
 Estimate local_outlier_factor(const Estimate& density, std::span<const Estimate> of_neighbors);
 
 }  // namespace pointsweep::formulas

@@ -11,7 +11,7 @@ constexpr int kMostSweeps = 50;  ///< most passes over all off-diagonal entries;
 
 using Entries = std::array<std::array<Real, 3>, 3>;
 
-/// Rotates the plane of the axes p and q so that the entry (p, q) of `a` becomes 0.
+/// Rotates `a` in the plane of the axes p and q so that its entry (p, q) becomes 0, and `axes` by the same rotation.
 void rotate(Entries& a, Entries& axes, std::size_t p, std::size_t q) {
   if (a[p][q] == 0) return;
   const Real cotangent = (a[q][q] - a[p][p]) / (2 * a[p][q]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Eigenvalues and eigenvectors of a symmetric matrix by Jacobi's rotations (C. G. J. Jacobi 1846; Golub and Van Loan,
-/// "Matrix Computations", Section 8.5), which need no case distinctions. The operators use a closed form instead.
+/// "Matrix Computations", Section 8.5), which need no special case for equal eigenvalues. The operators use a closed
+/// form instead.
 #pragma once
 
 #include "pointsweep/verify/formulas/estimate.h"
@@ -17,8 +18,8 @@ Eigen eigen_of(const Matrix& symmetric);
 
 /// Eigenvalues and eigenvectors of a matrix whose entries are estimates, with error bounds.
 struct Spectrum : Eigen {
-  std::array<Real, 3> value_error{};   ///< errors of the eigenvalues
-  std::array<Real, 3> vector_error{};  ///< for each eigenvector, sine of its angular error, or infinite
+  std::array<Real, 3> value_error{};   ///< bounds of the errors of the eigenvalues
+  std::array<Real, 3> vector_error{};  ///< bound of the angular error of each eigenvector in radians, or infinite
 };
 
 /// Returns the spectrum of M with error bounds. uncertainty(u, v) returns a bound for the error of uᵀ M v, for unit
@@ -43,7 +44,7 @@ Spectrum spectrum_of(const Matrix& m, Uncertainty uncertainty) {
   return s;
 }
 
-/// Returns the square of ρ, 2^-51 times the largest coordinate of p: the rounding of positions.
+/// Returns the square of ρ, the rounding of positions: 2^-51 times the largest magnitude of a coordinate of p.
 inline Real rho2(const Place& p) {
   const Real rho = 0x1p-51L * largest_component(p.at);
   return rho * rho;

@@ -39,7 +39,7 @@ inline Vector cross(Vector a, Vector b) {
 inline Real norm(Vector a) { return std::sqrt(dot(a, a)); }
 inline bool is_finite(Vector a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
-/// Returns v / |v|; 0 if v is 0.
+/// Returns v / |v|; 0 if |v| is 0 or NaN.
 inline Vector unit(Vector v) {
   const Real size = norm(v);
   return size > 0 ? (1 / size) * v : Vector{};
@@ -47,7 +47,7 @@ inline Vector unit(Vector v) {
 
 inline Real largest_component(Vector v) { return std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z))); }
 
-/// Returns whether all components are finite float64 numbers.
+/// Returns whether all components are finite and lie in the range of float64.
 inline bool fits_double(Vector v) { return is_finite(v) && largest_component(v) <= std::numeric_limits<double>::max(); }
 
 struct Matrix {
@@ -68,20 +68,20 @@ inline Vector operator*(const Matrix& m, Vector v) {
 
 inline constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
 inline constexpr Real kNaN = std::numeric_limits<Real>::quiet_NaN();
-inline constexpr Real kSingle = 0x1p-24L;  ///< largest relative error of rounding to float32
-inline constexpr Real kDouble = 0x1p-53L;  ///< largest relative error of rounding to float64
+inline constexpr Real kSingle = 0x1p-24L;  ///< largest relative error of rounding to a normal float32
+inline constexpr Real kDouble = 0x1p-53L;  ///< largest relative error of rounding to a normal float64
 
-/// Returns the relative error of a weight exp(-x) in single precision, due to the rounding of exp() and of x. Times
-/// exp(-x), it is at most 1.2e-7.
+/// Returns a bound of the relative error of a weight exp(-x) in single precision, due to the rounding of exp() and of
+/// x. The bound times exp(-x) is at most 1.2e-7.
 inline Real single_weight_error(Real x) { return 2 * kSingle * (1 + x); }
-/// Returns the relative error of a weight exp(-x) in double precision.
+/// Returns a bound of the relative error of a weight exp(-x) in double precision.
 inline Real double_weight_error(Real x) { return 16 * kDouble * (1 + x); }
-/// Returns the error of a sum of `terms` numbers in double precision, and of some twenty operations after it, relative
-/// to the sum of the magnitudes of the numbers.
+/// Returns a bound of the error of a sum of `terms` numbers in double precision, and of some twenty operations after
+/// it, relative to the sum of the magnitudes of the numbers.
 inline Real rounding_of_sum(std::size_t terms) { return (static_cast<Real>(terms) + 64) * kDouble; }
 
-/// A position, and a bound of its distance from the position that the operator reads: 0 unless an operator has moved
-/// the point.
+/// A position, and a bound of its distance from the position that the operator reads. The bound is 0 unless an
+/// operator has moved the point.
 struct Place {
   Vector at;
   Real error = 0;
@@ -123,12 +123,13 @@ inline Range ratio(Range numerator, Range denominator) {
           denominator.low > 0 ? numerator.high / denominator.low : kInfinity};
 }
 
-/// Returns `value` as float32. Correct evaluations lie in `range`.
+/// Returns the estimate of a number that is stored as float32. Before this rounding, correct evaluations lie in
+/// `range`.
 inline Estimate single_scalar(Real value, Range range) {
   const Real error = std::max(range.high - value, value - range.low);
   return scalar(value, error + kSingle * (std::fabs(value) + error) + 0x1p-149L);
 }
-/// Returns a unit vector as three float32.
+/// Returns the estimate of a unit vector that is stored as three float32; open if `error` is not below 1.
 inline Estimate single_direction(Vector value, Real error) {
   return {.value = value, .error = error < 1 ? error + kSingle : kInfinity};
 }

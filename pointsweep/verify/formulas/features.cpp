@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Features of the shape of a neighbourhood, from the eigenvalues of its covariance.
+/// Features of the shape of a neighbourhood: from the eigenvalues and eigenvectors of its covariance, its moments along
+/// the eigenvectors, and its heights.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -13,7 +14,7 @@ namespace {
 
 constexpr Real kLargestSingle = std::numeric_limits<float>::max();
 constexpr Real kLogarithm = 1e-12L;  ///< relative error of logarithms and of values computed from them
-constexpr Real kTooFar = 0x1p1022L;  ///< length from which an offset may count as not finite
+constexpr Real kTooFar = 0x1p1022L;  ///< component of an offset from which the offset may count as not finite
 
 /// The points of P (Features in surface.h), as offsets from p.
 struct Cloud {
@@ -144,7 +145,8 @@ Estimate verticality(const Place& p, const Spectrum& s) {
   return result;
 }
 
-/// The first and second moments about p along an axis, whose angular error has the sine `turn`.
+/// The first and second moments about p along an axis. `turn` bounds the angular error of the axis, in radians; if it
+/// is infinite, both moments are open.
 struct AxisMoments {
   Estimate first, second;
 

@@ -74,8 +74,8 @@ void GroundRaster::add(double x, double y, double z) {
 GroundRaster::Cells GroundRaster::filled(const Cells& cells) const {
   const std::size_t nx = columns_.count(), ny = rows_.count(), reach = parameters_.reach();
   Cells sums(cells.size(), 0), weights(cells.size(), 0), other_sums(cells.size(), 0), other_weights(cells.size(), 0);
-  // For each cell of a line, adds the nearest value before the cell, then the nearest value after it, weighted by 1 /
-  // distance.
+  // For each cell of a line, adds value / distance to `sum` and 1 / distance to `weight`, for the nearest value before
+  // the cell and for the nearest value after it, if at most `reach` cells away.
   const auto along = [&](std::size_t first, std::size_t step, std::size_t length, Cells& sum, Cells& weight) {
     for (const bool forth : {true, false}) {
       double value = kAbsent;

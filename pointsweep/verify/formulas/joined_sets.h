@@ -53,10 +53,10 @@ class JoinedSets {
   std::vector<std::uint32_t> size_;
 };
 
-/// Numbers and sizes of sets. Points without a number have -1.
+/// Numbers and sizes of sets of items (labels_of()). Items without a number have -1.
 struct SetLabels {
-  std::vector<std::int64_t> number;  ///< number of the set of each point; sets are numbered by their first points
-  std::vector<std::uint64_t> size;   ///< number of points in each set
+  std::vector<std::int64_t> number;  ///< number of the set of each item, in the order of the first items of the sets
+  std::vector<std::uint64_t> size;   ///< number of points of the numbered items in each set
 };
 
 /// Returns the labels of `count` items, which are points or places. points_at(i): number of points of item i;
@@ -83,8 +83,8 @@ class Flatness {
   void add(Vector p);
 
   /// Returns the root mean square distance of the points to their best-fitting plane, as float32; 0 for fewer than four
-  /// points. The error bound covers the operator's rounding of positions to multiples of 2^-40, and a few roundings of
-  /// the largest eigenvalue.
+  /// points. The error bound covers the operator's rounding of coordinates to multiples of 2^-40, and 64 roundings
+  /// of the mean squared distance from the centroid.
   Estimate residual() const;
 
  private:
@@ -101,9 +101,10 @@ class TurningVotes {
   void vote(Vector p, Vector signed_normal, const std::optional<Vector>& viewpoint);
 
   /// Returns whether all signs must be flipped; nothing if the data do not decide. Without a viewpoint, the larger in
-  /// magnitude of Σ s n_z and Σ s n · (p - c) / e decides, with the centroid c and the mean extent e; with a viewpoint
-  /// v, Σ sign(s n · (v - p)) decides. Signs are flipped if the deciding sum is negative. The bound for a decision
-  /// covers the operator's rounding of normals to multiples of 2^-20.
+  /// magnitude of Σ s n_z and Σ s n · (p - c) / e decides, with the centroid c and e the mean of the extents along x, y
+  /// and z (the sum is 0 if e is 0); with a viewpoint v, Σ sign(s n · (v - p)) decides. Signs are flipped if the
+  /// deciding sum is negative. The bound for a decision covers the operator's rounding of normals to multiples of
+  /// 2^-20.
   std::optional<bool> turns(bool has_viewpoint) const;
 
  private:

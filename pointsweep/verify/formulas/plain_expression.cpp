@@ -166,7 +166,8 @@ bool begins_operand(std::string_view text) {
   return continues_word(text[0]) || text[0] == '(' || text[0] == '-' || text[0] == '!';
 }
 
-/// Returns whether the innermost waiting comparison is a `between` whose `and` has not been read yet.
+/// Returns whether the last waiting operator after the last open parenthesis, arithmetic and functions left out, is a
+/// `between` whose `and` has not been read yet.
 template <class List>
 bool is_open_between(const List& waiting) {
   for (auto last = waiting.rbegin(); last != waiting.rend() && last->sign != "("; ++last)

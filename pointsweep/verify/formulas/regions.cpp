@@ -116,7 +116,8 @@ bool EdgesAlongX::hold(const Corner& p) const {
       const int side = quick_side_of(p, e.left, e.right);
       if (side == 0) return true;
       // An edge counts if p is to the right of its left end. If two edges meet exactly above p, one counts if the edges
-      // lie on different sides of p; otherwise both or none count, which does not change the parity.
+      // lie on different sides of the vertical through p; otherwise both or none count, which does not change the
+      // parity.
       if (side < 0 && p[0] > e.left[0]) crossed.push_back(e.polygon);
     }
   }

@@ -23,8 +23,9 @@ class EdgesAlongX {
  public:
   explicit EdgesAlongX(std::span<const PolygonRings> polygons);
 
-  /// Returns whether p lies in one of the polygons, by the even-odd rule, or on an edge. Exact unless magnitudes of
-  /// coordinates differ by more than 2^400. Tests only the edges above and below p.
+  /// Returns whether p lies in one of the polygons, by the even-odd rule, or on an edge. False if p is not finite.
+  /// Exact unless magnitudes of coordinates differ by a factor of more than 2^400. Tests only edges whose extent along
+  /// x contains the x of p.
   bool hold(const Corner& p) const;
 
  private:

@@ -71,7 +71,7 @@ Estimate length_of(const WeightedNeighbors& weighted, const Estimate& n, const F
   for (const WeightedOffset& o : weighted.offsets) {
     if (!(norm(o.d) > 0)) continue;
     const Reach r = reach(o, unit(n.value), n, f);
-    if (r.low <= 0) return open();  // the neighbour may lie exactly above p_i and then does not count
+    if (r.low <= 0) return open();  // x and y of the neighbour may be 0: then it does not count
     q.push_back(r.q), low.push_back(r.low), high.push_back(r.high);
   }
   return single_scalar(held(q), {held(low), held(high)});

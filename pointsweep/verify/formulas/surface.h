@@ -21,7 +21,7 @@ struct Curvatures {
 };
 
 /// Returns the curvatures at p. `n`: normal of p; `normals`: normals of `neighbors`. With u = n / |n|, sums over the m
-/// neighbours that have a normal, and
+/// neighbours that have a normal, p̄ the mean of these neighbours, and
 ///   S = 1/m Σ_j u_j u_jᵀ with eigenvalues μ0 <= μ1 <= μ2 and eigenvectors e0, e1, e2,
 ///   D = 1/m Σ_j (p_j - p̄)(p_j - p̄)ᵀ,
 ///   t1 = e1 brought into the tangent plane of n_i (see tangent()), t2 = n_i × t1,
@@ -29,7 +29,7 @@ struct Curvatures {
 /// C_i = 1/|N_i| Σ_j u_j u_jᵀ θ(|p_j - p_i|) includes all neighbours.
 ///
 /// All values are 0 if n_i is 0, m < 3, an offset is not finite, or the m neighbours lie on a line: det <= (1e-12 trace
-/// + ρ²) trace of D within the tangent plane, where ρ is 2^-51 times the largest coordinate of p_i.
+/// + ρ²) trace of D within the tangent plane, where ρ is 2^-51 times the largest magnitude of a coordinate of p_i.
 Curvatures curvature(const Place& p, const Estimate& n, std::span<const Place> neighbors,
                      std::span<const Estimate> normals);
 
@@ -51,9 +51,9 @@ struct CurvatureHere {
 /// k1_direction and the ratio is √(k2/k1). Ratios below 1/8 become 1/8.
 ///
 /// The length is the 8th smallest of q_j = √(x² + (y/ratio)²) over the neighbours off p_i, with x and y the coordinates
-/// of p_j - p_i along the axes. With only m < 8 such neighbours it is √(8/m) times the largest q_j, so that the area
-/// stays proportional. Neighbours whose x and y are 0 do not count. All values are 0 without a normal, without a
-/// neighbour that counts, or if an offset is not finite.
+/// of p_j - p_i along the axes. With only m < 8 such neighbours it is √(8/m) times the largest q_j: the ellipse
+/// that reaches the farthest of them is enlarged to 8/m times its area. Neighbours whose x and y are 0 do not count.
+/// All values are 0 without a normal, without a neighbour that counts, or if an offset is not finite.
 Splat splat(const Place& p, const Estimate& n, std::span<const Place> neighbors, const CurvatureHere* curvature);
 
 /// The values that Equation 3 reads of a point.
@@ -66,10 +66,11 @@ struct Surfel {
 /// Π_j(p_i) the projection of p_i onto the tangent plane of p_j, f(r) = exp(-r²/2F²), g(r) = exp(-r²/2G²) with standard
 /// deviations F and G, a_j = π length² ratio of the splat of p_j, and w_i the sum of the weights. p_i projects to
 /// itself with the weight a_i. Neighbours without a normal, without a splat or with non-finite coordinates do not
-/// count; without a neighbour that counts, p_i is unchanged.
+/// count; without a neighbour that counts, or if w_i is 0, p_i is unchanged.
 Estimate faired(const Surfel& point, std::span<const Surfel> neighbors, Real f, Real g);
 
-/// The ways in which features define λ from the eigenvalues l.
+/// The ways in which features define λ from the eigenvalues l: λ = l, λ = √l, or λ = l divided by the sum of all three
+/// l.
 enum class Lambda { raw, root, normalized };
 
 /// Features of P, in float32 except for number_of_neighbors. P contains the neighbours, and p if `with_point`; n = |P|.
@@ -77,8 +78,8 @@ enum class Lambda { raw, root, normalized };
 struct Features {
   Estimate linearity, planarity, sphericity, omnivariance, anisotropy, eigenentropy, eigenvalue_sum, surface_variation;
   Estimate verticality;                   ///< 1 - |e3 · z|; 0 if l2 <= 1e-12 l1 + ρ², with ρ as in normal()
-  Estimate moment1_axis1, moment1_axis2;  ///< |Σ_P (q - p) · e|
-  Estimate moment2_axis1, moment2_axis2;  ///< Σ_P ((q - p) · e)²
+  Estimate moment1_axis1, moment1_axis2;  ///< |Σ_P (q - p) · e| with e = e1 and e = e2
+  Estimate moment2_axis1, moment2_axis2;  ///< Σ_P ((q - p) · e)² with e = e1 and e = e2
   Estimate height_range, number_of_neighbors;
 };
 

@@ -151,8 +151,8 @@ class Levels {
         steps_[i][axis] = static_cast<std::int64_t>(std::nearbyint((points[i][axis] - lo[axis]) / step));
         most = std::max(most, steps_[i][axis]);
       }
-    // Rounds the width of the root up: to 8 to 16 times a power of two, or to a multiple of 8 if the extent is below
-    // 128 steps.
+    // The width of the root, in steps, is the least multiple of `unit` above `most`. It is 8 to 16 times `unit` unless
+    // the extent is below 128 steps.
     std::int64_t unit = 8;
     while (unit * 16 <= most + 1) unit *= 2;
     width_ = static_cast<double>((most + unit) / unit * unit);
@@ -182,7 +182,8 @@ class Levels {
   void take(int depth, double spacing) {
     for (std::size_t i = 0; i < level_.size(); ++i)
       if (level_[i] == kNone && leaf_[i] == depth) level_[i] = depth;
-    // Cells are slightly wider than the spacing, so that all points nearer than the spacing lie in adjacent cells.
+    // Cells are slightly wider than the spacing, so that all points nearer than the spacing lie in the same cell
+    // or in adjacent ones.
     Cells cells;
     const double edge = spacing * 1.0001;
     const auto cell = [&](std::size_t i) {

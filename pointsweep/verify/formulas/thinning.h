@@ -19,7 +19,7 @@ std::uint64_t mixed(std::uint64_t n);
 /// Returns a hash of the three coordinates in [0, 2^64): three rounds of SplitMix64.
 std::uint64_t hash_of(const Coordinates& p, std::uint64_t seed);
 
-/// Returns whether `hash` / 2^64 < `share`. Only the first 53 bits of the hash count, as many as a float64 holds.
+/// Returns whether `hash` / 2^64 < `share`. Only the highest 53 bits of the hash count, as many as a float64 holds.
 bool is_in_share(std::uint64_t hash, double share);
 
 /// Returns ⌊hash * parts / 2^64⌋; `parts` below 2^32.
@@ -51,15 +51,15 @@ class Mean {
 
 /// Returns three means as one estimate.
 Estimate mean_vector(const std::array<Mean, 3>& components);
-/// Returns the mean vector divided by its length, float32; 0 if the length is 0 or not a number.
+/// Returns the mean vector divided by its length, float32; 0 if the length is 0 or not finite.
 Estimate mean_direction(const std::array<Mean, 3>& components);
 
 /// Bytes of memory that levels_of() takes for each point.
 inline constexpr std::uint64_t kLevelBytes = 160;
 
-/// Returns the level of detail that the operator level() gives each point: octants by division, leaves by counting, one
-/// loop over all points for each depth. All coordinates must be finite. Points with equal rounded coordinates are taken
-/// in the order of `points`.
+/// Returns the level of detail that the operator level() gives each point: octants by division, leaves by counting,
+/// points of a level by a loop over all points for each depth (for depth 0, one for each spacing that is tried). All
+/// coordinates must be finite. Points with equal rounded coordinates are taken in the order of `points`.
 std::vector<std::uint8_t> levels_of(const std::vector<Coordinates>& points);
 
 }  // namespace pointsweep::formulas

@@ -26,7 +26,7 @@ struct WeightedNeighbors {
   /// θ of the nearest neighbour that does not coincide with p_i. All weights are divided by this θ, so that not all of
   /// them underflow to 0.
   Real theta_of_nearest = 1;
-  bool finite = true;  ///< true if no offset overflows double precision
+  bool finite = true;  ///< true if all offsets are finite in float64
 
   Real mean_weight() const;
 };
@@ -36,9 +36,9 @@ WeightedNeighbors weigh(const Place& p, std::span<const Place> neighbors);
 /// Returns the eigenvalues and eigenvectors of M_i (Equation 1) divided by theta_of_nearest.
 Spectrum equation1(const WeightedNeighbors& neighbors);
 
-/// Returns a direction in the plane with unit normal n, from two orthogonal unit vectors: the projection of `along` if
-/// `along` is nearer to the plane than `across`, else the direction in the plane perpendicular to `across`. `error`
-/// bounds the angular errors of the two vectors and of n.
+/// Returns a unit vector in the plane with unit normal n, from two orthogonal unit vectors: the direction of the
+/// projection of `along` if `along` is not farther from the plane than `across`, else the direction in the plane
+/// perpendicular to `across`. `error` bounds the angular errors of the two vectors and of n.
 Estimate tangent(Vector n, Vector along, Vector across, Real error);
 
 /// The choice between the two directions of a normal.
@@ -57,7 +57,7 @@ struct Facing {
 /// Returns the normal n_i, float32: the eigenvector of the smallest eigenvalue λ0 of
 ///   M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)ᵀ θ(|p_j - p_i|).
 /// The normal is 0 with fewer than two neighbours, if an offset is not finite, and if the neighbours define no plane:
-/// λ1 <= 1e-12 λ2 + ρ² mean_j θ_j, where ρ is 2^-51 times the largest coordinate of p_i.
+/// λ1 <= 1e-12 λ2 + ρ² mean_j θ_j, where ρ is 2^-51 times the largest magnitude of a coordinate of p_i.
 Estimate normal(const Place& p, std::span<const Place> neighbors, const Facing& facing);
 
 }  // namespace pointsweep::formulas
