@@ -30,7 +30,8 @@ std::uint32_t CellLists::find(std::uint32_t slot, const CellSubset& points, Work
   return search({cells_.directory(), slot, plan_.neighborhood}, points, most, worker.search, worker.neighbors);
 }
 
-/// Returns the points of the cell with their file columns. Chosen points are copied.
+/// Returns `points` with all columns that the cell holds. Points that are not a run (CellSubset::is_run()) are copied
+/// to worker.chosen.
 PointColumns CellLists::own(const WindowCell& cell, const CellSubset& points, Worker& worker) const {
   if (!points.is_run()) {
     worker.chosen.take(plan_, cell.cell, points, cell.column_pointers.data());
@@ -66,7 +67,7 @@ void CellLists::truncate(const WindowCell& cell, const CellSubset& points, Worke
 }
 
 /// Most neighbours are in one of the two cells that were noted last, so sixteen neighbours at a time are compared with
-/// these two before they are noted one by one.
+/// these two, and noted one by one only if one of them is in another cell.
 void CellLists::note_references(const WindowCell& cell, std::uint32_t first, const CellNeighbors& lists,
                                 Worker& worker) {
   constexpr std::ptrdiff_t kTogether = 16;

@@ -65,7 +65,7 @@ class CellLists {
   const SweepPlan& plan_;
   const CellSet& cells_;
   ListMemory memory_;
-  std::uint64_t point_bytes_;                     ///< bytes of a point in the window, with its columns
+  std::uint64_t point_bytes_;                     ///< window_point_bytes(): bytes of a point in the window
   mutable std::atomic<std::uint64_t> bytes_ = 0;  ///< bytes of all stored lists
 };
 

@@ -43,8 +43,8 @@ double reach_worth_waiting(const std::vector<double>& reach2, const std::vector<
   return worth;
 }
 
-/// Makes the cell wait for unread slabs. Raises its wait_reach and leaf_reach to the reaches that its search has found,
-/// and wait_reach to at least `least`.
+/// Makes the cell wait for unread slabs. Raises its leaf_reach to the finite reaches that the search has found, and its
+/// wait_reach to the reach of most of its points and to `least`.
 void wait(WindowCell& cell, const std::vector<double>& reach2, double least, const Frontier& frontier) {
   const double needed = reach_of_most(reach2, 1 - 1.0 / kStragglers);
   cell.wait_reach = std::max({cell.wait_reach, least, std::isfinite(needed) ? needed : 0});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Takes one cell through one step: search, certificate (the proof that neighbourhoods are complete), stages, delivery
-/// of results. It is the pull-push of a point, Figures 12 and 14 of the paper, for a thousand points at once.
+/// of results. This is the pull-push of the paper (Figures 12 and 14), for all points of a cell at once.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Boxes of the points that are not in memory: of slabs that the sweep has not read yet, and of cells that have left
-/// the window (window.h). A ball that touches none of these boxes contains only points in memory. The paper considers
-/// only unread points (Section 4.2.2).
+/// the window (window.h). A ball that touches none of these boxes contains only points in memory and superfluous points
+/// (see Frontier). The paper considers only unread points (Section 4.2.2).
 #pragma once
 
 #include <array>
@@ -42,7 +42,8 @@ class Frontier {
   void slabs_were_read(std::size_t first) { read_ = first; }
   /// Returns whether the sweep has slabs to read. Slabs that only the recall (recall.h) reads do not count.
   bool more_to_read() const { return read_ < swept_slabs_; }
-  /// Treats the unread slabs as cells that have left the window. Must be called after the last slab of the sweep.
+  /// Treats each unread slab that is not superfluous as one cell that has left the window. All slabs then count as
+  /// read. Must be called after the last slab of the sweep.
   void leave_unread_slabs();
   void cell_was_dropped(std::uint32_t slab, const DroppedCell& cell);
   /// Records that points at `place` with a row above `row` are superfluous.
@@ -64,12 +65,12 @@ class Frontier {
   bool anything_unread_within(const Box& box, double reach2) const { return unread_within(box, reach2, false); }
   /// Returns the cells of a slab that have left the window, except superfluous cells, in any order.
   const std::vector<DroppedCell>& dropped_of(std::uint32_t slab) const { return dropped_[slab]; }
-  /// Calls use(place, row) for the saturated locations.
+  /// Calls use(place, row) for each saturated location: points at `place` with a row above `row` are superfluous.
   template <class Use>
   void for_each_saturated_location(Use use) const {
     for (const auto& [at, row] : saturated_locations_) use(Vec3{at[0], at[1], at[2]}, row);
   }
-  /// Writes the boxes of dropped cells within sqrt(reach2) of a box to `out`.
+  /// Fills `out` with the boxes of the dropped cells that lie within sqrt(reach2) of `box`.
   void dropped_near(const Box& box, double reach2, std::vector<Box>& out) const;
 
  private:

@@ -21,7 +21,7 @@ enum class Lifetime : std::uint8_t {
 };
 
 /// An operator at its place in the chain (the paper's Φ_k). Columns are numbered; remaking an attribute makes a new
-/// column, so that no column is ever overwritten while a neighbour may still be read.
+/// column, so that no stage overwrites values that another stage may still read at a neighbour.
 struct Stage {
   StageOperator op;
   std::vector<std::uint16_t> reads, reads_neighbors, makes;
@@ -105,8 +105,8 @@ class Sink {
     (void)slab;
     (void)records;
   }
-  /// Reports that `points` points of a slab were finished before the run was resumed. Called after slab_read() for
-  /// the slab, and only if wants_records().
+  /// Reports that `points` points of a slab were finished before the run was resumed. Called after slab_read() for the
+  /// slab, and only if wants_records(). Need not be called for a slab of which all points were finished.
   virtual void were_finished(std::uint32_t slab, std::uint64_t points) {
     (void)slab;
     (void)points;

@@ -39,7 +39,8 @@ void Recall::run(Sink& sink, const std::function<void(std::size_t points, std::s
   }
 }
 
-/// Returns the deferred points of all workers in reverse order of the stream, since groups are taken from the end.
+/// Returns the deferred points of all workers by descending slab, within a slab by descending row, since groups are
+/// taken from the end.
 std::vector<DeferredPoint> Recall::take_deferred() {
   std::size_t count = 0;
   for (const Worker& worker : workers_) count += worker.deferred.size();

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// Finishes the points that the sweep deferred because of neighbours that were not in the window, by reading these
-/// neighbours again.
+/// Finishes the points that the sweep deferred because neighbours, or values of neighbours, were not in the window. To
+/// this end, the recall reads these neighbours again.
 ///
-/// The paper has no recall; its neighbourhoods are approximate in such places (Section 8). A recall collects the points
-/// around some deferred points in a region, finds the neighbourhoods of these points, of their neighbours, and so on
-/// for each step of the chain, and takes all of these points through the steps: by the search and the stages of the
-/// sweep, cell by cell, on all threads. A recall evaluates each point at most once in each step, and reads each slab at
-/// most once for each step.
+/// The paper has no recall; its neighbourhoods are approximate in such places (Section 8). The recall takes the
+/// deferred points in groups. It collects the points around a group in a region, finds the neighbourhoods of the
+/// deferred points, of their neighbours, and so on, one level for each step of the chain, and takes all of these points
+/// through the steps: by the search and the stages of the sweep, cell by cell, on all threads. For a group, each point
+/// is evaluated at most once in each step, and each slab is read at most once for each step. A group that takes too
+/// much memory is given up and tried again with half of its points.
 #pragma once
 
 #include <cstdint>
@@ -34,9 +35,9 @@ class Recall {
          const RecallMemory& memory, std::vector<Worker>& workers)
       : stream_(stream), plan_(plan), loader_(loader), frontier_(frontier), memory_(memory), workers_(workers) {}
 
-  /// Finishes the deferred points of all workers and passes them to `sink`, group by group in the order of the stream.
-  /// Calls done(points of the group, points left) after each group; the first worker then holds the points that are
-  /// left.
+  /// Finishes the deferred points of all workers and passes them to `sink`, group by group in the order of slabs,
+  /// within a slab in the order of rows. Calls done(points of the group, points left) after each group; the first
+  /// worker then holds the points that are left.
   void run(Sink& sink, const std::function<void(std::size_t points, std::size_t left)>& done);
   const SlabsRead& slabs_read() const { return slabs_read_; }
 

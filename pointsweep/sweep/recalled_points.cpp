@@ -19,7 +19,7 @@ constexpr std::uint8_t kReachedNow = 1, kInLevel = 2;
 
 /// A ball may hold many points if the cells that it touches hold more than kFewPoints + k * kFewForNeighbor.
 constexpr std::uint64_t kFewPoints = 8192, kFewForNeighbor = 128;
-/// Reach of a BallCover in multiples of the radius of a ball: the diagonal of three radii along each axis.
+/// Reach of a BallCover in multiples of the radius of a ball: the diagonal of a cube whose side is three radii.
 constexpr double kCoverReach = 5.2;
 
 /// kBallBytes: bytes of an element of WantedPoints::balls while points are collected, without its distances.
@@ -226,8 +226,8 @@ void RecalledPoints::find_lists(std::uint32_t slot, std::uint32_t level, Worker&
   }
 }
 
-/// Throws if a neighbourhood reaches beyond its bound. Within the bound it is complete, because the region holds all
-/// points within the bound.
+/// Throws if a neighbourhood reaches beyond its bound, or has fewer than k points although its bound is shorter than
+/// the radius. Within the bound it is complete, because the region holds all points within the bound.
 void RecalledPoints::expect_complete(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists) const {
   const Cell& cell = region_.at(slot).cell;
   for (std::uint32_t n = 0; n < points.size(); ++n) {

@@ -69,8 +69,8 @@ class RecalledPoints {
     std::vector<double> bound2;          ///< for each reached point, a squared distance that bounds its neighbourhood
     std::vector<std::uint32_t> pending;  ///< points whose lists are to be found, ascending
     std::vector<Listed> listed;
-    /// The deferred points, ascending, each with the first step that it has not taken in the sweep. Degenerate results
-    /// are counted from this step on; the sweep has counted earlier ones.
+    /// The indices of the deferred points, ascending, each with the first step that it has not taken in the sweep.
+    /// Degenerate results are counted from this step on; the sweep has counted earlier ones.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> counted_from;
   };
 

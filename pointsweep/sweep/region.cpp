@@ -151,8 +151,9 @@ std::vector<std::uint32_t> PointCollector::numbers_of(std::span<const std::byte>
   return numbers;
 }
 
-/// Returns the numbers of the records whose points lie inside a ball, ascending. `shrinks`: true if the records
-/// are searched for the first time, so that the balls shrink.
+/// Returns the numbers of the records whose points lie inside a ball of `balls`, or inside or near a ball of
+/// `whole_balls`, ascending and without superfluous points. `shrinks`: true if the records are searched for the first
+/// time, so that the balls of `balls` shrink.
 std::vector<std::uint32_t> PointCollector::numbers_inside(std::uint32_t slab, std::span<const std::byte> records,
                                                           bool shrinks) {
   std::vector<std::uint32_t> numbers;

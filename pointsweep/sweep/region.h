@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The region of a recall: points of the stream inside balls, which are read into memory again after the sweep. A
-/// reading of the stream reads only the slabs that a ball touches, each once.
+/// reading of the stream reads only the slabs that have a cell which a ball touches, or a needed place, each once.
 #pragma once
 
 #include <array>
@@ -27,12 +27,12 @@ struct NeededPlace {
 
 /// The points to be collected, and the limit of their number.
 struct WantedPoints {
-  /// Balls of which the `nearest` points nearest to the center are needed, and all points as far away as the farthest
-  /// of these points.
+  /// Balls of which only the points nearest to the center are needed: `nearest` points, and all other points as far
+  /// away as the farthest of these.
   std::vector<Ball> balls = {};
   std::uint64_t nearest = 1;
-  /// Balls of which all points are needed. Some points near the balls are collected, too. Costs much less time than
-  /// `balls` if many balls overlap.
+  /// Balls of which all points are needed. Some points near the balls are collected, too. If many balls overlap,
+  /// `whole_balls` take much less time than `balls`.
   std::vector<Ball> whole_balls = {};
   std::vector<NeededPlace> places = {};  ///< places of points that are needed even outside of all balls, ascending
   std::uint64_t most_points = 0;         ///< limit of the number of points; the search ends when it finds more
@@ -98,7 +98,8 @@ class PointCollector {
   WantedPoints wanted_;
   PositionFields position_;
   std::unique_ptr<std::atomic<double>[]> reach2_;  ///< current squared radius of each ball
-  std::vector<std::vector<double>> distances2_;    ///< for each ball, a heap of squared distances of its nearest points
+  /// For each ball, a heap of the squared distances of the nearest points so far.
+  std::vector<std::vector<double>> distances2_;
   BallCover cover_;
   std::array<std::mutex, 64> mutexes_;  ///< mutex i guards the heaps of the balls i, i + 64, ...
   std::vector<CollectedPoints> found_;
@@ -122,10 +123,11 @@ class Region : public CellSet {
   /// more than WantedPoints::most_points.
   bool collect(WantedPoints wanted);
 
-  /// Returns whether the cells of the stream within sqrt(reach2) of `p` hold more than `count` points.
+  /// Returns whether the cells of the stream within sqrt(reach2) of `p` hold more than `count` points. Superfluous
+  /// cells do not count.
   bool touches_more_than(std::uint64_t count, Vec3 p, double reach2) const;
   /// Returns a squared distance from `p` within which at least `count` points of the stream lie; infinite if all cells
-  /// hold fewer.
+  /// together hold fewer. Superfluous cells do not count.
   double reach2_that_holds(Vec3 p, std::uint64_t count) const;
 
   const SlabsRead& slabs_read() const { return slabs_read_; }

@@ -36,8 +36,8 @@ class SlabLoader {
   /// their indices in the slab.
   std::vector<std::unique_ptr<WindowCell>> cells_of(std::uint32_t slab, std::span<const std::uint32_t> index_in_slab,
                                                     const std::vector<std::byte>& records) const;
-  /// Returns the error of the lowest loaded row with a value that the type expected by a stage cannot hold; empty if
-  /// there is no such row.
+  /// Returns the error of the lowest loaded row, halos excepted (Slab::is_halo), with a value that the type expected by
+  /// a stage cannot hold; empty if there is no such row.
   FirstRowError refused() const;
 
  private:

@@ -43,8 +43,9 @@ class EdgeEmitter {
 /// Number of points that a bucket of a graph should hold (see BucketedGraph).
 inline constexpr std::uint64_t kBucketPoints = 16384;
 
-/// Returns the places where buckets of a graph begin: at each slab, at `places`, and within large slabs, so that each
-/// bucket contains about kBucketPoints if points are spread evenly along the axis.
+/// Returns the places where buckets of a graph begin: at each slab of the sweep, at `places`, and within large slabs,
+/// so that a bucket contains at most about kBucketPoints points if these are spread evenly along the axis. The result
+/// is not sorted.
 std::vector<PointKey> bucket_begins(const class Stream& stream, std::span<const Vec3> places);
 
 /// Counts of distances, in eight bins for each factor of 2. The number of a bin is the exponent and the two leading

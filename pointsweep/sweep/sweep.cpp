@@ -102,14 +102,15 @@ class Sweep {
   }
 
   /// Gives the progress to the keeper if the keeper wants it, except while a resumed run reads slabs again: finished
-  /// points of slabs that are still to be read again would be lost.
+  /// points of slabs that are still to be read again would be lost. After an error of a row, no progress is kept.
   void keep_progress() {
     const bool reads_again = restart_ && restart_->was_read(static_cast<std::uint32_t>(frontier_.slabs_read()));
     if (options_.keeper == nullptr || reads_again || !options_.keeper->wants_progress() || refused().any()) return;
     options_.keeper->keep(progress_of(stream_, plan_, frontier_, window_, workers_, observer_.so_far()));
   }
 
-  /// Returns the error of a stage that refused a row; without one, the error of the sink; empty if neither failed.
+  /// Returns the error of the loader or a stage that refused a row; without one, the error of the sink; empty if
+  /// neither failed.
   FirstRowError refused() const {
     FirstRowError by_stage = loader_.refused(), by_sink;
     for (const Worker& worker : workers_) {

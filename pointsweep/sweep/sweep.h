@@ -59,7 +59,8 @@ struct SweepProgress {
   std::vector<DroppedCellOfSlab> dropped;  ///< dropped cells; the recall needs them even if all slabs have been read
   std::vector<SaturatedLocation> saturated_locations;
   std::vector<DeferredPoint> deferred;  ///< points of finished cells that are not yet recalled
-  /// Counts over finished cells and recalled points, with the meanings of the members of SweepStatistics.
+  /// Counts so far, with the meanings of the members of SweepStatistics; `certified` counts the points of finished
+  /// cells and the recalled points.
   std::uint64_t certified = 0, recalled = 0, recalled_slabs = 0, peak_points = 0;
   /// For each stage, rows whose data define no result. Entries for the last stages may be missing.
   std::vector<DegenerateRows> degenerate;
@@ -72,7 +73,8 @@ struct SweepProgress {
 class ProgressKeeper {
  public:
   virtual ~ProgressKeeper() = default;
-  /// Returns whether keep() is to be called now. Called after every turn and every group of recalled points.
+  /// Returns whether keep() is to be called now. Called after every turn and every group of recalled points, except
+  /// while a resumed run reads slabs again.
   virtual bool wants_progress() = 0;
   /// Keeps `progress`. The sink has received exactly the points that `progress` calls finished.
   virtual void keep(const SweepProgress& progress) = 0;
@@ -91,7 +93,7 @@ struct SweepOptions {
   std::uint64_t lists_bytes = 16u << 20;
   bool count_distances = false;  ///< true to fill SweepStatistics::distances
   /// If not null, receives the PointState of every input row when half of the points have been read. Its size must be
-  /// the number of rows of the input.
+  /// the number of rows of the input, and all elements PointState::unread.
   std::vector<PointState>* half_way = nullptr;
   /// Receives the edges that a connecting stage emits. Edges are not part of a SweepProgress, so `keeper` must be null.
   EdgeSink* edges = nullptr;
@@ -107,7 +109,8 @@ struct SweepOptions {
 };
 
 struct SweepStatistics {
-  /// Points whose neighbourhoods are proven exact; at the end all points, except points of a halo (Slab::is_halo).
+  /// Points whose neighbourhoods are proven exact; at the end all points of the swept slabs, except points of a halo
+  /// (Slab::is_halo).
   std::uint64_t certified = 0;
   std::uint64_t recalled = 0;  ///< certified points that were finished in the recall
   std::uint64_t recalled_slabs = 0;
@@ -126,9 +129,10 @@ struct SweepStatistics {
   NeighborDistances distances;                 ///< one count for each finite point with neighbours, if requested
 };
 
-/// Runs the plan over the swept slabs; hands each of their points, except points of a halo, to `sink` exactly once.
-/// Uses thread_count() threads. The results do not depend on threads, slabs, cells or memory. An exception in any
-/// part ends the sweep and is thrown.
+/// Runs the plan over the swept slabs; hands each of their points, except points of a halo, to `sink` exactly once,
+/// counting an earlier sweep that it continues. Uses thread_count() threads. The results do not depend on threads,
+/// slabs, cells or memory. An exception ends the sweep and is thrown; but the sweep goes on after a RowError, and
+/// throws the error of the lowest row at its end.
 SweepStatistics sweep(const Stream& stream, const SweepPlan& plan, Sink& sink, const SweepOptions& options);
 
 }  // namespace pointsweep

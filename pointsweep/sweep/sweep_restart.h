@@ -2,9 +2,9 @@
 /// Saves the progress of a sweep, and restores it in another sweep, perhaps of another process (docs/adr/0008).
 ///
 /// A restart restores the cells of the window, and the boxes of dropped cells in the frontier. If later steps read
-/// values that earlier steps have made for neighbours, the last slabs are read again and their cells take all steps
-/// once more, which makes these values again; results delivered earlier are not delivered again. No value depends on
-/// the number of slabs read again: points that cannot be certified are recalled.
+/// values that earlier steps have made for neighbours, the last slabs are read again and their cells take the steps
+/// once more (finished cells without the last step), which makes these values again; results delivered earlier are not
+/// delivered again. No value depends on the number of slabs read again: points that cannot be certified are recalled.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,8 @@ class SweepRestart {
   /// to `worker`.
   void restore(const SlabLoader& loader, Window& window, Frontier& frontier, Sink& sink, Worker& worker) const;
   /// Prepares a slab that was read again, before its cells go into the window: marks the cells that the earlier sweep
-  /// had finished, and passes the records of the slab to `sink` if the sink takes records.
+  /// had finished, and if the sink takes records, passes to `sink` the records of the slab, its deferred points and the
+  /// number of its finished points.
   void prepare(std::uint32_t slab, LoadedSlab& loaded, Sink& sink) const;
 
  private:

@@ -149,8 +149,9 @@ double Window::kept_clear(double reach) const {
 }
 
 /// Returns whether a waiting cell will probably search `cell`. Each leaf is tested separately, since a cell may have a
-/// dense and a sparse end. A leaf needs cells within twice its reach. Cells whose reach is less than a quarter of the
-/// leaf's are not kept for the leaf: its few points whose balls touch dropped cells are recalled instead.
+/// dense and a sparse end. A leaf needs cells within kept_clear() of its reach. Cells whose reach is less than a
+/// quarter of the leaf's are not kept for the leaf: its few points whose balls touch dropped cells are recalled
+/// instead.
 bool Window::asks_for(const WindowCell& waiting, const WindowCell& cell) const {
   const double most = kMuchDenser * cell.reach;
   if (distance2(waiting.cell.box, cell.cell.box) > most * most) return false;

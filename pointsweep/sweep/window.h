@@ -38,12 +38,16 @@ struct WindowCell {
   std::vector<const std::byte*> column_pointers;  ///< pointers into `columns`, in the form that Neighborhoods takes
 
   std::uint32_t steps_done = 0;
-  /// For each leaf, the expected reach of its points until the search. The reach of a point is the distance at which
-  /// its neighbourhood ends.
+  /// For each leaf, the expected reach of its points, until the last search; a search after which the cell waits raises
+  /// it to the greatest finite reach found in the leaf. The reach of a point is the distance at which its neighbourhood
+  /// ends.
   std::vector<double> leaf_reach;
-  double wait_reach = 0;                 ///< no slab to be read may be nearer than this when the cell is searched
-  std::size_t wait_for_slabs = 0;        ///< while slabs are left to read, the search waits until this many are read
-  double reach = 0;                      ///< reach of most points of the cell, known after the search
+  /// While slabs are left to read, the search waits until none is nearer than this (before the first search: times
+  /// Window::allowance_).
+  double wait_reach = 0;
+  std::size_t wait_for_slabs = 0;  ///< while slabs are left to read, the search waits until this many are read
+  /// Reach of about 9 in 10 points of the cell, at most its diagonal + wait_reach; known after the search.
+  double reach = 0;
   std::vector<CellNeighbors> lists;      ///< lists of runs of points, if a later step needs them and memory allows
   std::vector<std::uint32_t> refers_to;  ///< slots of the cells that the lists name
   /// For each point, 1 if the sweep deferred the point to the recall; empty if no point was deferred. A cell marks its
@@ -88,8 +92,8 @@ inline constexpr std::uint64_t kUsualCellPoints = 512;
 /// The reciprocal of the share of memory for the padding of leaves and the overhead of allocations.
 inline constexpr std::uint64_t kLostShare = 5;
 
-/// Returns the bytes of a point in the window, with its columns and without its list. The memory plan, the limit of
-/// stored lists and the recall use this number.
+/// Returns the bytes of a point in the window, with the columns that it has as long as it is in memory, and without its
+/// list. The memory plan, the limit of stored lists and the recall use this number.
 inline std::uint64_t window_point_bytes(const SweepPlan& plan) {
   constexpr std::uint64_t kShared = kWindowLeafBytes / kLeafCapacity + 1 + sizeof(WindowCell) / kUsualCellPoints + 1;
   constexpr std::uint64_t kBytes = kOwnPointBytes + kShared;
@@ -156,7 +160,7 @@ class Window : public CellSet {
 
   const SweepPlan& plan_;
   Frontier& frontier_;
-  double allowance_ = 1;  ///< factor on the expected reaches of waiting cells; grows while many cells wait
+  double allowance_ = 1;  ///< factor on the expected reaches of waiting cells (see note_searched())
   double lifespan_sum_ = 0, lifespan_max_ = 0;
 };
 

@@ -50,22 +50,25 @@ struct Worker {
   std::vector<Box> dropped;
   std::vector<std::byte*> columns;  ///< columns of the current cell, by column number
   std::vector<const std::byte*> own_columns;
-  std::vector<std::byte*> run_columns;  ///< `columns`, from the first of some successive points on
+  std::vector<std::byte*> run_columns;  ///< `columns`, each from the first of some successive points of the cell on
   std::vector<std::byte> passing;       ///< memory of the columns that are needed only in the current step
-  ChosenPoints chosen;  ///< the points that take the step, unless these are successive points of the cell
+  ChosenPoints chosen;  ///< copies of the points that take the step, unless these are a run (CellSubset::is_run())
   CellNeighbors chosen_lists;
   std::vector<std::byte> results;
   StageTally tally;
-  StageTally halo;          ///< tally of points that are evaluated only because other points need their values
-  FirstRowError unwritten;  ///< error of a row whose results the sink cannot take; ends the sweep
+  /// Tally of evaluations that do not count: of points whose values only other points need, or of steps taken before.
+  StageTally halo;
+  FirstRowError unwritten;  ///< error of the lowest row whose results the sink cannot take
   double search_seconds = 0;
-  /// Deferred points of the cells that this thread has finished, and the number of their certified points.
+  /// Deferred points of the cells that this thread has finished, and the number of certified points of these cells. The
+  /// recall adds the points that it finishes.
   std::vector<DeferredPoint> deferred;
   std::uint64_t certified = 0;
 };
 
-/// Sets worker.columns: columns that the step makes for later steps belong to the cell, others to the worker. All
-/// values are 0 until an operator writes them.
+/// Sets worker.columns to the columns of the cell and of the step. Of the columns that the step makes, those of
+/// Lifetime::cell are added to the cell, and the others belong to the worker. Their values are 0 until an operator
+/// writes them.
 void place_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
 /// Sets worker.columns as place_columns() does, but leaves the columns that are needed only in the step null.
 void place_cell_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
@@ -74,9 +77,10 @@ void place_cell_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& c
 void keep_lists_of(std::span<const std::uint32_t> kept, CellNeighbors& lists);
 
 /// Applies the step to `points` of the cell; `lists` holds one list for each. Operators get a bounded number of
-/// neighbours at a time, so that a run can be cancelled soon: after each part of the points, `done` is called with the
-/// part, and tally.marked holds the degenerate points of the part. If the points are not successive points of the cell,
-/// each part is copied to worker.chosen, which then holds the part with all columns.
+/// neighbours at a time (more only for a single point that has more), so that a run can be cancelled soon: after each
+/// part of the points, `done` is called with the part, and tally.marked holds the degenerate points of the part. If
+/// `points` is not a run (CellSubset::is_run()), each part is copied to worker.chosen, which then holds the part with
+/// all columns.
 void apply_step(const SweepPlan& plan, std::uint32_t step, const Cell& cell, const CellSubset& points,
                 const CellNeighbors& lists, const PointColumns* slots, Worker& worker, StageTally& tally,
                 const std::function<void(const CellSubset& part)>& done);
