@@ -22,7 +22,8 @@ namespace {
 /// together (operators/nearest/place_group.h).
 constexpr std::size_t kOrderedBatch = 32768;
 
-/// Returns a name for the position that no field of a file can have, since library names contain no blank.
+/// Returns the name of a field for a coordinate of the position. This name contains a blank, unlike all names that the
+/// library gives to attributes.
 std::string position_name(const char* axis) { return std::string("position ") + axis; }
 
 /// Converts records of a source to records that begin with the place that the operator gives the point.
@@ -75,7 +76,7 @@ ReadRows placing(ReadRows read, std::shared_ptr<const Placement> placement) {
   };
 }
 
-/// Makes the arguments of an InOrderWork out of working records.
+/// Converts working records to the OrderedPoints that an InOrderWork takes.
 class OrderedBatch {
  public:
   /// `are_placed`: the records begin with a place that is not their position. Rows other than the `rows` rows from
@@ -120,7 +121,7 @@ class OrderedBatch {
   }
 
  private:
-  /// A number read from a record as the type that the contract of the stage names.
+  /// Reads a number from a record and converts it to the type that the contract of the stage names.
   class Value {
    public:
     Value(const Field& stored, Type type) : promised_(stored, type), made_{.name = "", .type = type} {}
@@ -149,7 +150,8 @@ class OrderedBatch {
   FirstRowError refused_;
 };
 
-/// Passes all points of the stream to `use` in order, at most kOrderedBatch at a time.
+/// Passes all points of the stream with a finite place to `use` in order, at most kOrderedBatch at a time. Then throws
+/// the error of the lowest row of the results with a value that the stage cannot read.
 template <class Use>
 void for_each_batch(const InOrderPass& run, Use use) {
   const std::size_t stride = run.stream.record_schema().stride;
@@ -195,8 +197,8 @@ class FoundRecords {
   }
 
  private:
-  /// If the stream is one tile with points around it, removes the findings about rows of other tiles, and numbers the
-  /// rows of the tile like the results.
+  /// If the stream is one tile with points around it, removes the findings about rows of other tiles, numbers the rows
+  /// of the tile like the results, and adds the number of undecided rows of the tile to InOrderPass::undecided.
   void keep_own_rows(Findings& found) const {
     if (!run_.is_part) return;
     const auto is_other = [&](std::uint64_t row) { return row - run_.first_row >= run_.rows; };

@@ -18,22 +18,23 @@ namespace pointsweep {
 
 /// The points of a source at the places that an operator assigns to them (InOrderOperator::place_of()).
 struct PlacedSource {
-  /// Each place is followed by the position, in the type of `source`, and by the fields `payload` of `source`. A point
-  /// without a finite position has no finite place. `op` must outlive the placed source.
+  /// The records of the member `source` begin with the place, as three numbers of type f64. The position follows, in
+  /// the types of the argument `source`, then the fields with the indices `payload` of that argument. A point without a
+  /// finite position has this position as its place. `op` must outlive the member `source`.
   PlacedSource(const PointSource& source, const std::vector<std::size_t>& payload, const InOrderOperator& op);
   PointSource source;
   std::vector<std::size_t> payload;  ///< indices of the fields that follow a place
 };
 
 struct InOrderPass {
-  const Stream& stream;  ///< in canonical order; made from a PlacedSource if the pass has places
+  const Stream& stream;  ///< in canonical order; made from a PlacedSource if PlannedPass::has_places()
   const PlannedPass& pass;
   InOrderSetup setup;
-  bool is_part;              ///< true if the stream has other rows, too; findings about them are discarded
+  bool is_part;              ///< true for one tile: findings about other rows of the stream are discarded
   std::uint64_t first_row;   ///< row of the stream that is the first row of the results
   std::uint64_t rows;        ///< number of rows of the results
   RowStore& results;         ///< gets a record for each row that is dropped or has values; other rows keep their fill
-  std::uint64_t* undecided;  ///< the number of undecided rows of the results is added to it; null: not counted
+  std::uint64_t* undecided;  ///< if `is_part`, the number of undecided rows of the tile is added to it; may be null
   std::function<void(std::uint64_t points)> progress;
 };
 
@@ -42,8 +43,9 @@ struct InOrderPass {
 std::vector<std::uint32_t> for_other_parts(const InOrderOperator::ChoosePoints& choose, const PlannedPass& pass,
                                            const Schema& record, std::span<const std::byte> records);
 
-/// Passes all points with a finite place to the InOrderWork of the operator, once in each of its rounds, and stores its
-/// findings in `run.results`.
+/// Passes all points with a finite place to a new InOrderWork of the operator, once in each round of this work, and
+/// stores the findings of the work in `run.results`. Throws the error of the lowest row of the results with a value
+/// that the stage cannot read.
 void run_in_order(const InOrderPass& run);
 
 }  // namespace pointsweep

@@ -22,7 +22,8 @@
 namespace pointsweep {
 namespace {
 
-/// Returns boxes in x and y that contain all points kept by the selects at the beginning of the chain.
+/// Returns the boxes of the selects at the beginning of the chain that have a box (SelectOperator::extent()). In x and
+/// y, each box contains all points that its select keeps.
 std::vector<Box> first_extents(const ChainPlan& plan) {
   std::vector<Box> extents;
   for (const GraphNode& node : plan.graph.nodes) {
@@ -34,8 +35,8 @@ std::vector<Box> first_extents(const ChainPlan& plan) {
   return extents;
 }
 
-/// Returns whether two boxes touch in x and y, or have a gap of at most a step of the grid of the file, since programs
-/// round the boxes of nodes.
+/// Returns whether two boxes touch in x and y, or have a gap of at most `step`, a step of the grid of the cloud, since
+/// programs round the boxes of nodes.
 bool meet(const Box& a, const Box& b, Vec3 step) {
   return a.lo.x <= b.hi.x + step.x && b.lo.x <= a.hi.x + step.x && a.lo.y <= b.hi.y + step.y &&
          b.lo.y <= a.hi.y + step.y;
@@ -147,7 +148,7 @@ class Pieces {
  private:
   const InputCloud& cloud_;
   std::size_t input_ = 0;
-  std::uint64_t row_ = 0, begin_ = 0;  ///< next row of input_; where its records begin in the temporary file
+  std::uint64_t row_ = 0, begin_ = 0;  ///< row_: next row of input_; begin_: where records of input_ begin in the file
 };
 
 /// Decodes pieces for one thread.
@@ -182,7 +183,8 @@ class PieceDecoder {
   std::vector<std::byte> batch_;
 };
 
-/// Returns the number of decoding threads: as many as fit in half of the memory budget, but at least one.
+/// Returns the number of decoding threads: as many as fit in half of the memory budget, but at least one and at most
+/// thread_count().
 unsigned decoding_threads(const InputCloud& cloud, const EngineOptions& options) {
   std::uint64_t bytes = kBatchBytes;
   for (const auto& reader : cloud.readers())

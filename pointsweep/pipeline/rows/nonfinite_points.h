@@ -26,9 +26,9 @@ std::vector<std::uint64_t> rows_of_records(const Stream& stream, std::span<const
 /// Returns the rows of the first nonfinite points of the stream, ascending, at most `most`.
 std::vector<std::uint64_t> first_nonfinite_rows(const Stream& stream, std::size_t most);
 
-/// Returns `asked`, or its meaning if it is by_format: `drop` for formats that cannot hold nonfinite points (LAS),
-/// `keep` for other formats. For tiles: `drop` if the format of any tile cannot hold nonfinite points and the input of
-/// that tile may have some.
+/// Returns `asked` unless it is by_format. For by_format, returns `drop` if the format of Outputs::points cannot hold
+/// nonfinite points (LAS), otherwise `keep`. With tiles, by_format means `drop` if the format of any tile cannot hold
+/// nonfinite points and the input of that tile may have some.
 Nonfinite nonfinite_rule(const InputCloud& cloud, const Outputs& outputs, Nonfinite asked);
 
 struct FiniteInput {
@@ -38,9 +38,10 @@ struct FiniteInput {
   std::string warning() const;
 };
 
-/// Returns the cloud without the points that nonfinite_rule() drops. Reads the cloud once if rows may be dropped or
-/// refused and its coordinates are not integers. Throws Error with the first row if nonfinite points are refused, or
-/// are to be kept in an output that cannot hold them; also if no other points are left.
+/// Returns the cloud without the points that nonfinite_rule() drops. Reads each input that can have nonfinite points
+/// once, unless the rule keeps such points and all outputs can hold them. If there are nonfinite points, throws Error
+/// with the first row if the rule refuses them, or keeps them although an output cannot hold them; also throws Error if
+/// no other points are left.
 FiniteInput finite_input(const InputCloud& cloud, const Outputs& outputs, const EngineOptions& options);
 
 }  // namespace pointsweep

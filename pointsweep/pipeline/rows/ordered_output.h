@@ -22,15 +22,16 @@ std::vector<std::uint32_t> order_of(const Stream& stream, const std::vector<std:
 /// Returns the inverse permutation of order_of(): the place of each record within the slab.
 std::vector<std::uint32_t> ranks(const Stream& stream, const std::vector<std::byte>& records);
 
-/// Passes the first `bytes` of every working record to `write` in canonical order, nonfinite points last. After each
-/// slab, calls `report` with the number of points of the slabs written so far.
+/// Passes the first `bytes` of every working record to `write` in canonical order, a slab at a time, then those of the
+/// nonfinite points by ascending row, one at a time. The slabs must be in canonical order (StreamOptions::canonical).
+/// After each slab, calls `report` with the number of points of the slabs written so far.
 void write_in_order(const Stream& stream, std::size_t bytes,
                     const std::function<void(std::span<const std::byte>)>& write,
                     const std::function<void(std::uint64_t)>& report);
 
 /// Sources of output records that a last phase puts in order (ChainPlan::reorders). Each record is followed by the
-/// position that decides its place: the last attribute of `rows` if `by_moved_positions`, otherwise the position in the
-/// input.
+/// position that decides its place, as three numbers of type f64: the last attribute of `rows` if `by_moved_positions`,
+/// otherwise the position in the input. The arguments must outlive this object.
 class Reordering {
  public:
   Reordering(InputCloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions);

@@ -27,7 +27,7 @@ StreamOptions stream_options(int axis, const SpillPlace& spill) {
   return {.axis = axis, .slab_points = kSlabPoints, .canonical = true, .spill = spill, .buffer_bytes = kBufferBytes};
 }
 
-/// Returns the indices of the fields that an operator reads.
+/// Returns the indices of the fields that an operator reads. Throws Error if a field is missing or has another type.
 std::vector<std::size_t> fields_of(const std::vector<Attribute>& reads, const Schema& schema, const std::string& name) {
   std::vector<std::size_t> fields;
   for (const Attribute& a : reads) {
@@ -98,7 +98,8 @@ std::string OtherCloud::identity() const {
   return text;
 }
 
-/// Counts the buffers, the slabs that each thread puts in order, and the survey's sample.
+/// Counts the buffers twice, which leaves room for the survey's sample, and the records of three slabs for each thread
+/// and of three more.
 std::uint64_t OtherCloud::working_bytes(unsigned threads, std::uint64_t value_bytes) {
   constexpr std::uint64_t kRecordBytes = 32;
   return 2 * kBufferBytes + (threads + 1) * 3 * kSlabPoints * (kRecordBytes + value_bytes);

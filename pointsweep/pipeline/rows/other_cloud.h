@@ -21,9 +21,9 @@ namespace pointsweep {
 
 class OtherCloud {
  public:
-  /// Opens the files that `name` means (files.h). Throws Error if there are none, UsageError if they state another
-  /// coordinate reference system than `cloud`, unless `cloud` ignores reference systems. `reads`: the attributes to
-  /// read, named like fields of the other cloud.
+  /// Opens the files that `name` means (files.h). Throws Error if there are none or they have no points; UsageError if
+  /// they state another coordinate reference system than `cloud`, unless `cloud` ignores reference systems. `reads`:
+  /// the attributes to read, named like fields of the other cloud.
   OtherCloud(const std::string& name, std::vector<Attribute> reads, const InputCloud& cloud);
 
   const std::string& name() const { return name_; }
@@ -34,21 +34,23 @@ class OtherCloud {
   /// Returns warnings about the cloud, as sentences for the user.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// Puts the points in order along the axis, into a temporary file, and passes them to `take`. Throws
-  /// Error if a file has changed since it was opened. Needs working_bytes() of memory in addition to the file.
+  /// Puts the points in order along the axis, into a temporary file, and passes those with finite coordinates to `take`
+  /// in this order. Throws Error if a file has changed since it was opened. Needs working_bytes() of memory, without
+  /// the file.
   void give_in_order(int axis, const SpillPlace& spill, const std::function<void(std::uint64_t rows)>& progress,
                      const std::function<void(const OtherPoints&)>& take);
   /// Puts the points of a cloud in order along the axis, into a temporary file, with their values of `reads`.
   static Stream in_order(InputCloud& cloud, const std::string& name, const std::vector<Attribute>& reads, int axis,
                          const SpillPlace& spill, const std::function<void(std::uint64_t rows)>& progress);
-  /// Puts working records of in_order(), which contain row numbers, in order along the axis (StreamOptions::numbered).
+  /// Puts points in order along the axis, into a temporary file. `numbered`: working records, whose last field is the
+  /// row (StreamOptions::numbered), with the values that give() needs.
   static Stream in_order(const PointSource& numbered, int axis, const SpillPlace& spill);
-  /// Passes the finite points of a stream made by in_order() to `take`, with their values of `reads`.
+  /// Passes the finite points of a stream made by in_order() to `take` in order, with their values of `reads`.
   static void give(const Stream& stream, const std::string& name, const std::vector<Attribute>& reads,
                    const std::function<void(std::uint64_t rows)>& progress,
                    const std::function<void(const OtherPoints&)>& take);
-  /// Throws UsageError if the files store the attributes to read in different types, so that they are no tiles of one
-  /// cloud.
+  /// Throws UsageError if a file lacks an attribute to read, or stores it in another way than the first file (type,
+  /// count, scale, bias or width in bits), so that the files are no tiles of one cloud.
   void require_same_types() const;
   std::vector<std::uint64_t> counts() const;  ///< number of points of each file
   /// Returns the bytes of memory that give_in_order() needs. `value_bytes`: bytes of the read attributes of one point.

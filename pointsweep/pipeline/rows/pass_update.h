@@ -33,7 +33,7 @@ class PassValues {
   /// Returns whether add() also needs the cloud's records.
   bool needs_input() const { return needs_input_; }
   /// Adds `n` rows that the pass leaves: carried records, and records of the cloud, which may be null if not needed.
-  /// `worker`: number of the thread in a parallel loop; several threads may call at once.
+  /// `worker`: number of the thread in a parallel loop; several threads with different numbers may call at once.
   void add(unsigned worker, const std::byte* carried, const std::byte* inputs, std::size_t n);
   void finish(CloudValues& into) const;
   /// Returns the state of each value of the pass, for finish_values() in another process.
@@ -81,7 +81,8 @@ class RowMask {
 
   /// Returns the selection of a finished mask that a checkpoint has stored at `kept`.
   static RowSelection kept(std::uint64_t rows, const SpillPlace& kept);
-  /// Returns the bytes that a mask of `rows` rows takes, with 8 more for each block.
+  /// Returns the bytes of a mask of `rows` rows: its bits in whole blocks, and the 8 bytes of memory that a
+  /// RowSelection takes for each block.
   static std::uint64_t bytes(std::uint64_t rows);
 
  private:
@@ -102,7 +103,7 @@ class RowUpdate {
             const std::vector<Attribute>& after);
   std::size_t made_bytes() const { return made_bytes_; }
   std::size_t record_bytes() const { return after_bytes_; }
-  /// Makes `n` records at `after`. `carried` may be null if the pass has made all attributes.
+  /// Makes `n` records at `after`. `carried` may be null if the pass has made all attributes of `after`.
   void run(const std::byte* carried, const std::byte* made, std::size_t n, std::byte* after) const;
 
  private:
@@ -122,13 +123,14 @@ struct UpdatedRows {
 using MadeRows = std::function<void(
     const std::function<void(std::uint64_t first_row, std::size_t count, const std::byte* made)>& use)>;
 
-/// Updates the rows of `results` in order, at most rows_at_once() at a time, on all threads. `carried` is null for the
-/// first pass.
+/// Updates the rows of `results` on all threads, and passes them to `use` in order, at most rows_at_once() at a time.
+/// `carried` is null for the first pass.
 void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update,
                  const std::function<void(const UpdatedRows&)>& use);
 
-/// Returns the cloud as `pass` sees it: the records of `input`, followed by those of `carried`, which must outlive the
-/// source. The input is read only if the pass needs a field of it.
+/// Returns the cloud as `pass` sees it: each record of `input`, followed by the carried record of the row. `carried`
+/// must outlive the source. If the pass needs no field of the input, the input is not read, and the bytes of its
+/// records are not set.
 PointSource updated_source(const PointSource& input, const RowFile& carried, const PlannedPass& pass);
 
 /// Collects the data that a pass leaves to later passes: the carried records of the kept rows, their selection, and
@@ -174,9 +176,10 @@ class PassUpdate {
   std::optional<RowMask> mask_;
   PassValues values_;
   ParallelRows input_rows_;
-  std::vector<std::byte> inputs_;   ///< records of the cloud, if a value needs them
-  std::vector<std::uint8_t> kept_;  ///< not 0 for each kept row passed to add(); empty without a select
-  std::vector<Room> rooms_;         ///< buffers of each thread
+  std::vector<std::byte> inputs_;  ///< records of the cloud, if a value needs them
+  /// For each row of the latest add(), not 0 if the row is kept. Empty without a select.
+  std::vector<std::uint8_t> kept_;
+  std::vector<Room> rooms_;  ///< buffers of each thread
   std::uint64_t spilled_bytes_ = 0;
 };
 

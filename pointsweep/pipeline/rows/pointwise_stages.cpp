@@ -27,7 +27,8 @@ std::optional<std::pair<std::size_t, std::size_t>> find_read(const std::string& 
   return std::nullopt;
 }
 
-/// Copies component `c` of the values `from` to component `to_c` of the values `to`.
+/// Copies component `c` of `size` values of `read`, which begin at `from`, to component `to_c` of as many values of
+/// `made` at `to`. Converts numbers if the types differ.
 void copy_component(const Attribute& read, std::size_t c, const std::byte* from, const Attribute& made,
                     std::size_t to_c, std::byte* to, std::size_t size) {
   const Field before{.name = "", .type = read.type}, after{.name = "", .type = made.type};
@@ -47,7 +48,8 @@ void copy_positions(const Neighborhoods& in, std::byte* out) {
 }
 
 /// Fills the results of a stage that needs neighbours or the order of all points, for points without a finite place.
-/// Attributes that the stage both reads and makes keep their values; other made attributes are Attribute::fill.
+/// The position, and attributes of which the stage reads all fields and which it makes again, keep their values; each
+/// byte of other made attributes is Attribute::fill.
 void leave_unchanged(const Stage& stage, const Batch& batch) {
   const Contract contract = contract_of(stage.op);
   for (std::size_t m = 0; m < stage.makes.size(); ++m) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Stages applied to points that have no neighbours.
+/// Application of the stages of a pass to points without their neighbours.
 #pragma once
 
 #include <cstddef>
@@ -16,14 +16,15 @@ namespace pointsweep {
 
 /// Applies the stages of a pass to points without neighbours: all points of a pass over rows, and the points without a
 /// finite place of any other pass. A stage that reads only the point itself treats them like any other point. Other
-/// stages leave them unchanged: the position, and attributes that the stage both reads and makes, keep their values;
-/// other made attributes are Attribute::fill.
+/// stages leave them unchanged: the position, and attributes of which the stage reads all fields and which it makes
+/// again, keep their values; each byte of other made attributes is Attribute::fill.
 class PointwiseStages {
  public:
   /// `pass` is bound to `records` (PlannedPass::bind). Both must outlive this object.
   PointwiseStages(const PlannedPass& pass, const Schema& records);
 
-  /// Makes the result records of the points in `records`, whose rows are `rows`, on all threads.
+  /// Makes the result records of the points in `records`, whose rows are `rows`, on all threads. Throws the error of
+  /// the lowest row with an error.
   void run(const std::byte* records, std::span<const std::uint64_t> rows, std::byte* results);
   /// Returns the times and the degenerate rows of all calls of run().
   StageTally tally() const;
