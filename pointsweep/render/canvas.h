@@ -14,7 +14,8 @@ namespace pointsweep {
 struct ProjectedEllipse {
   Vec3 center;
   Vec3 u, v;  ///< semi-axes of the ellipse
-  /// Distance by which the rim is farther from the viewer than the center, so that overlapping discs meet half-way.
+  /// Distance in pixels by which the rim is farther from the viewer than the disc through the semi-axes, so that
+  /// overlapping discs meet half-way.
   double bulge = 0;
 };
 
@@ -25,13 +26,14 @@ class Canvas {
   /// Makes an empty picture with fineness × fineness samples for each pixel.
   Canvas(unsigned width, unsigned height, unsigned fineness, Rgb background);
 
-  /// Fills the samples whose middle is inside of the ellipse, each with its own depth. Also fills the sample under the
-  /// center, if it is in the picture. Semi-axes are limited to an eighth of the picture's longer side, because a huge
-  /// splat of an outlier would hide other points and take as much time as all other points together.
+  /// Draws on the samples whose middle is inside of the ellipse, each with its own depth, and on the sample under the
+  /// center, if it is in the picture; of an ellipse below a sixth of a sample in area, on that sample alone. Semi-axes
+  /// are limited to an eighth of the picture's longer side, because a huge splat of an outlier would hide other points
+  /// and take as much time as all other points together.
   void draw(const ProjectedEllipse& ellipse, Rgb color);
 
-  /// Darkens samples that are farther from the viewer than the samples around them: light and shade for points without
-  /// normals (after the eye-dome lighting of Boucheny 2009, with 1/(1+x) for exp(-x)).
+  /// Darkens samples that are farther from the viewer than some of the eight samples two pixels away: light and shade
+  /// for points without normals (after the eye-dome lighting of Boucheny 2009, with 1/(1+x) for exp(-x)).
   void shade_by_depth();
 
   /// Returns the picture, with the mean of the samples of each pixel.

@@ -36,7 +36,7 @@ RowStretches every_nth(const InputCloud& cloud, std::uint64_t n) {
   return rows;
 }
 
-/// Measures the seconds to read a row, in stretches from all parts of the cloud.
+/// Measures the seconds to read a row, in stretches from all parts of the cloud; begins no further one after `seconds`.
 double seconds_per_row(InputCloud& cloud, const RowStretches& rows, double seconds) {
   std::vector<std::byte> records(kLongStretch * cloud.schema().stride);
   const auto start = Clock::now();

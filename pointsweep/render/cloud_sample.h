@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The choice of the rows that are drawn, and a first pass over these rows, which finds their bounds, their number of
-/// points and a sample before they are drawn.
+/// The choice of the rows that are drawn, and a first pass over these rows, which finds the bounds, the number and a
+/// sample of their finite points before they are drawn.
 #pragma once
 
 #include <cstdint>
@@ -41,10 +41,11 @@ struct Extents {
 /// products per point and view; there are at most 12 views.
 class PossibleViews {
  public:
-  /// `angles` and `up`: the choices of the user. If one is absent, all values that the program may choose are possible.
+  /// `angles` and `up`: what is known before the pass. If one is absent, all values that the program may choose are
+  /// possible.
   PossibleViews(std::optional<Angles> angles, std::optional<Up> up);
   void include(Vec3 p);
-  /// Returns the extents for one of the possible views and a camera of that view.
+  /// Returns the extents for one of the possible views and a camera of that view. At least one point must be included.
   Extents extents(const View& view, const Camera& camera) const;
 
  private:
@@ -73,9 +74,11 @@ struct PointBlock {
 void for_each_block(InputCloud& cloud, const RowStretches& rows, const std::function<void(const PointBlock&)>& visit);
 
 struct CloudSample {
-  Box bounds;                      ///< bounding box of the finite points
-  std::uint64_t finite = 0;        ///< number of finite points
-  std::vector<Vec3> positions;     ///< at most 65,536 finite points, one from each of as many equal stretches of rows
+  Box bounds;                ///< bounding box of the finite points
+  std::uint64_t finite = 0;  ///< number of finite points
+  /// The finite ones among min(65,536, number of rows) sampled points, one from each of as many stretches of rows,
+  /// whose lengths differ by at most 1.
+  std::vector<Vec3> positions;
   std::vector<std::byte> records;  ///< records of the points of `positions`, one after another
 };
 

@@ -98,7 +98,8 @@ void fill(Picture& picture, double x0, double y0, double x1, double y1, Rgb colo
       picture.pixels[std::size_t{y} * picture.width + x] = color;
 }
 
-/// Formats `value` with enough digits to distinguish the marks of a bar.
+/// Formats `value` with enough digits to distinguish marks that are `step` apart; with 4 digits if `step` is not
+/// positive or below 1e-5, or if the value is about 1e9 or more in magnitude.
 std::string mark_text(double value, double step) {
   const double largest = std::abs(value) + step;
   if (!(step > 0) || !(largest < 1e9) || step < 1e-5) return fmt::format("{:.4g}", value);

@@ -17,9 +17,9 @@ class Lettering {
   /// `capital` is the height of a capital letter in pixels.
   Lettering(double capital, Rgb color) : unit_(capital / 6), color_(color) {}
 
-  /// Returns the pixels from the left edge of the first letter to the right edge of the last.
+  /// Returns the distance in pixels from the left edge of the first letter to the right edge of the last.
   double width(std::string_view text) const;
-  /// Returns the pixels from one baseline to the next.
+  /// Returns the distance in pixels from one baseline to the next.
   double line_height() const { return 11 * unit_; }
   double capital() const { return 6 * unit_; }
 
@@ -34,7 +34,7 @@ class Lettering {
 
 /// Returns the unit of the attribute with this name: "1/m" for a curvature, "s" for gps_time, empty if the attribute
 /// has no unit or the unit is unknown. `length` is the unit of the cloud's coordinates, e.g. "m"; if it is empty, "file
-/// unit" stands for it.
+/// unit" or "file units" stands for it.
 std::string unit_of_attribute(std::string_view name, std::string_view length);
 
 /// A bar of colours with numbers, or a list of colours with names.

@@ -25,10 +25,12 @@ class PointColor {
   /// curvature (RMS curvature, or another curvature that the file has), classification (the standard colours of LAS),
   /// plain (grey), or the name of an attribute. If `what` is empty, the choice is rgb if colours differ between points,
   /// else plain if the file has normals and the cloud is not flat, else height. `option`: name of the caller's option,
-  /// for messages. Throws UsageError that lists the fields of the schema if `what` is none of these.
+  /// for messages. Throws UsageError that lists the fields of the schema if `what` is none of these, or if the schema
+  /// lacks its fields.
   PointColor(const Schema& schema, std::string_view what, std::string_view option = "--color");
 
-  /// Extends the ranges of the colours, and the set of classes, by those of the record.
+  /// Extends the ranges of red, green and blue, if they are the colouring, or the set of classes, if that is the
+  /// colouring, by those of the record.
   void look_at(const std::byte* record);
 
   /// A sample of the cloud: record i of `stride` bytes belongs to position i.
@@ -37,8 +39,8 @@ class PointColor {
     const std::vector<std::byte>& records;
     std::size_t stride;
   };
-  /// Chooses the colouring, and sets the range of its numbers by robust_range() of the sample. `flat`: is_flat() of the
-  /// cloud.
+  /// Chooses the colouring, and sets the range of its numbers, if it has any, by robust_range() of the sample. `flat`:
+  /// is_flat() of the cloud.
   void settle(const Sample& sample, Up up, bool flat);
 
   /// Returns the name of the colouring that is used: "rms_curvature", "rgb", ...
@@ -52,7 +54,7 @@ class PointColor {
   /// Returns the number at the dark end of the colour map viridis; hi() returns the number at the yellow end.
   double lo() const { return lo_; }
   double hi() const { return hi_; }
-  /// Returns the classes that occur, ascending.
+  /// Returns the classes that occur, ascending; empty unless is_class().
   std::vector<std::uint8_t> classes() const;
   /// Returns a sentence for the user if rgb was possible but all points have one colour; else an empty text.
   const std::string& remark() const { return remark_; }

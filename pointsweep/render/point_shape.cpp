@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kLeaf = 16;  ///< most points of a leaf of a SpacingTree
+constexpr std::size_t kLeaf = 16;  ///< most points of a leaf of a SpacingTree, unless all are at one place
 /// Radius of discs in spacings. Discs of 1.5 spacings on a surface with random points leave about 0.1 % of it uncovered
 /// (exp(-π r²)). For points without a normal, which may be leaves or walls, discs wider than one spacing look like
 /// bubbles.
@@ -65,7 +65,8 @@ void SpacingTree::build(std::size_t begin, std::size_t end, double share) {
   nodes_.emplace_back();
   const int axis = box.longest_axis();
   if (count <= kLeaf || box.extent()[axis] <= 0) {
-    // n points in a row have n - 1 gaps. The difference matters for few points.
+    // n points in a row have n - 1 gaps. Along a side of sqrt(n) points, half a gap is subtracted; this matters for few
+    // points.
     const double gaps = std::sqrt(static_cast<double>(std::max<std::size_t>(count, 1))) - 0.5;
     if (count > 1 && count <= kLeaf) {
       const double side = std::sqrt(area_of(box, count)) / gaps;

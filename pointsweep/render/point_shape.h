@@ -12,14 +12,14 @@
 
 namespace pointsweep {
 
-/// Estimates the local spacing of points. Halves the sample along its longest side until a part has at most 16 points.
-/// The two longer sides of the box of a part give the area per point, and the distances between its points show whether
-/// they lie in rows or clumps with gaps. Memory and time to build are proportional to the sample; a look-up takes one
-/// comparison per halving.
+/// Estimates the local spacing of points. Halves the sample along its longest side until each part has at most 16
+/// points or all its points at one place. The two longer sides of the box of a part give the area per point, and the
+/// distances between its points show whether they lie in rows or clumps with gaps. Memory and time to build are
+/// proportional to the sample; a look-up takes one comparison per halving.
 class SpacingTree {
  public:
   /// Builds the tree of a sample of finite points. `points`: number of points of the cloud, of which the sample is a
-  /// part. Every spacing is 0 for an empty sample.
+  /// part. The spacing is 0 in a part with one point or with all points at one place, and for an empty sample.
   SpacingTree(std::vector<Vec3> sample, std::uint64_t points);
 
   /// Returns the side of the square that one point of the cloud occupies around `p`, at most twice the typical distance
@@ -62,8 +62,8 @@ class PointShape {
 
   /// If DiscRadii::fixed is above 0, returns a disc of this radius that faces the viewer. Else returns the splat of the
   /// point if it has a valid one; else a disc, perpendicular to the normal, or facing the viewer if the point has no
-  /// normal. The radius of the disc is the field `radius`, or else the local spacing (1.5 times as large with a normal,
-  /// which closes gaps), at most DiscRadii::largest_guess.
+  /// normal. The radius of the disc is the field `radius` if its value is positive, else the smaller of
+  /// DiscRadii::largest_guess and the local spacing (times 1.5 with a normal, which closes gaps).
   SurfaceElement operator()(const std::byte* record, Vec3 position) const;
 
  private:

@@ -37,7 +37,8 @@ void check(const RenderOptions& options) {
 }
 
 /// Returns the cloud with its levels of detail up to the first one whose points are at most a pixel apart in a picture
-/// that is `pixels` wide. Returns all points unless all inputs have levels of detail.
+/// that shows the longest side of the bounds as `pixels` pixels. Returns all points unless all inputs have levels of
+/// detail and bounds.
 InputCloud drawn_levels(const InputCloud& cloud, unsigned pixels) {
   Box bounds;
   double coarsest = 0;
@@ -54,8 +55,8 @@ InputCloud drawn_levels(const InputCloud& cloud, unsigned pixels) {
 }
 
 /// Returns the span from lo to hi, where all points lie. If it is more than kFarOutliers times the span of the middle
-/// 99.8 % of the sampled `values`, returns the middle span, extended by 5 % on either side: a few far points are then
-/// outside of the picture.
+/// 99.8 % of the sampled `values`, which is not 0, returns this middle span, extended by up to 5 % on either side
+/// within lo and hi: a few far points are then outside of the picture.
 std::pair<double, double> span_without_outliers(std::vector<double>& values, double lo, double hi) {
   std::sort(values.begin(), values.end());
   const auto cut = static_cast<std::size_t>(0.001 * static_cast<double>(values.size()));
@@ -99,7 +100,7 @@ RowStretches rows_of(InputCloud& cloud, const RenderOptions& options) {
   return rows_within(cloud, options.seconds - fill_seconds(options, fineness_of(options)));
 }
 
-/// Returns the direction up if the options or the formats of the inputs state it.
+/// Returns the direction up if the options state it, or z if the formats of all inputs state that it points up.
 std::optional<Up> stated_up(const RenderOptions& options, const InputCloud& cloud) {
   const auto z_is_up = [](const auto& reader) { return reader->info().z_is_up; };
   return options.up ? options.up : std::ranges::all_of(cloud.readers(), z_is_up) ? std::optional(Up{}) : std::nullopt;

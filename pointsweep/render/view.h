@@ -36,8 +36,8 @@ struct Camera {
 /// so that pictures have the same bytes on every machine.
 Camera camera_of(const View& view, Vec3 origin, unsigned width, unsigned height);
 
-/// Chooses center and scale so that the box [lo, hi] along right and up fills the picture up to a margin of 3 %, at
-/// least `margin` pixels.
+/// Chooses center and scale so that the box [lo, hi] along right and up is in the middle of the picture, as large as
+/// the margins allow. The margin at each edge is 3 % of the width or height, at least `margin` pixels, at most 40 %.
 void frame(Camera& camera, double lo_x, double hi_x, double lo_y, double hi_y, double margin = 0);
 
 /// Returns whether the cloud's extent along `up` is at most a quarter of the geometric mean of its other two extents,
@@ -45,11 +45,11 @@ void frame(Camera& camera, double lo_x, double hi_x, double lo_y, double hi_y, d
 bool is_flat(std::span<const Vec3> sample, Up up);
 
 /// Returns the direction that points up in a cloud of unknown origin. In a flat cloud it is the positive axis
-/// perpendicular to the cloud. Another cloud is taken to stand on the side that the points in the outermost 2 % of its
-/// extent cover best: objects stand on a base or on feet, rooms and streets on a floor. The covered share of a side is
-/// the area of the convex hull of its points, divided by the area of the bounding rectangle. The share of z is
-/// multiplied by 1.25, so that z wins if sides are similar; z also wins if no share reaches a quarter. Cost: a sort of
-/// the sample along each axis.
+/// perpendicular to the cloud. Any other cloud is taken to stand on that of the six sides of its box which is covered
+/// best by the points in the 2 % of the extent next to it: objects stand on a base or on feet, rooms and streets on a
+/// floor. The covered share of a side is the area of the convex hull of these points, divided by the area of the side.
+/// The share of the side below z is multiplied by 1.25, so that z wins if sides are similar; z also wins if no share is
+/// above a quarter. Cost: a sort of the sample along each axis, and of the points next to each side.
 Up find_up(std::span<const Vec3> sample);
 
 }  // namespace pointsweep

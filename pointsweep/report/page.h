@@ -26,8 +26,8 @@ class Scale {
   Scale(double lo, double hi, double begin, double end, bool logarithmic = false);
 
   double place(double value) const;
-  /// Returns about `wanted` ticks at 1, 2 or 5 times a power of ten. On a logarithmic scale they are powers of ten, and
-  /// their multiples by 2 and 5 if the powers alone are few.
+  /// Returns about `wanted` ticks at the multiples of a step, which is 1, 2 or 5 times a power of ten. On a logarithmic
+  /// scale they are powers of ten, or every n-th power; below 2.5 decades, also 2 and 5 times the powers.
   std::vector<Tick> ticks(int wanted) const;
 
  private:
@@ -35,7 +35,8 @@ class Scale {
   bool logarithmic_;
 };
 
-/// Formats a number briefly, with the suffix k, M or G from 1,000 on: "0", "12", "1.5k", "20M", "3.2e-05".
+/// Formats a number briefly, with the suffix k, M or G from 1,000 on, and as a power of ten from 1e12 on and below
+/// 0.001: "0", "12", "1.5k", "20M", "3.2e-05".
 std::string short_number(double value);
 
 struct PlotText {
@@ -64,11 +65,11 @@ struct Histogram {
   std::vector<double> counts;
 };
 /// Returns a plot of the outlines of histograms over a logarithmic x axis. Bin i is edges[i] .. edges[i+1]; all edges
-/// are positive.
+/// are positive. Empty for fewer than two edges.
 std::string histogram_plot(const PlotText& text, const std::vector<double>& edges,
                            const std::vector<Histogram>& histograms);
 
-/// Returns a small plot of adjacent bars over a linear x axis. Bin i is edges[i] .. edges[i+1].
+/// Returns a small plot of adjacent bars over a linear x axis. Bin i is edges[i] .. edges[i+1]. Empty without counts.
 std::string value_plot(const std::string& title, const std::vector<double>& edges, const std::vector<double>& counts);
 
 /// Returns the text with & < > " as HTML entities.
@@ -85,7 +86,7 @@ class Page {
   void paragraph(const std::string& text);
   /// Adds a table with two columns of text.
   void table(const std::vector<std::pair<std::string, std::string>>& rows);
-  /// Adds a plot, an SVG that line_plot() or another function above returns.
+  /// Adds a plot, an SVG that line_plot() or another function above returns; nothing if it is empty.
   void plot(const std::string& svg);
   /// Adds a plot with a caption below it. Successive figures stand side by side if the page is wide enough.
   void figure(const std::string& svg, const std::string& caption);

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::array<const char*, 6> kCurvatures = {
     "rms_curvature", "mean_curvature", "absolute_curvature", "k1", "surface_variation", "gaussian_curvature"};
-/// Operators whose results are positions or lists, which no colour can show.
+/// Stages whose results no colour can show: lists, moved positions, or a new search or order.
 constexpr std::array<std::string_view, 4> kNotPictured = {"neighbors", "fair", "reneighbor", "resort"};
 /// Beginnings of the names of fields that are parts of vectors or of lists.
 constexpr std::array<std::string_view, 6> kParts = {"splat_",     "k1_",       "normal_eigenvalue",
@@ -31,8 +31,8 @@ bool is_part(std::string_view name) {
          std::ranges::any_of(kParts, [&](std::string_view part) { return name.starts_with(part); });
 }
 
-/// Returns the colouring that shows the results of the operator `op`; empty if it has none to show. `made`: the fields
-/// of the output that operators have made.
+/// Returns the colouring that shows the results of the operator `op`; empty if it has none to show. For all but a few
+/// operators this is the first field with one component in `made`, the fields of the output that any operator has made.
 std::string shown_by(std::string_view op, const std::vector<std::string>& made, const Schema& output) {
   if (op == "normals" || op == "splats") return output.find("nx") ? "plain" : "";
   if (op == "curvature") {
@@ -74,7 +74,7 @@ namespace {
 constexpr std::size_t kBins = 48;
 constexpr std::uint32_t kPercents[] = {0, 5, 25, 50, 75, 95, 100};
 constexpr double kLargestWhole = 1e15;  ///< limit below which every whole number is exact as a double
-/// One value in this many lies below the range that the bins of a histogram divide, and one in this many above it. The
+/// About one value in this many lies below the range that the bins of a histogram divide, and about one above it. The
 /// first and the last bin count these values.
 constexpr std::uint32_t kOneBeyond = 200;
 
@@ -120,7 +120,8 @@ ValueSummary summary_of(const Field& field, std::size_t stride, std::span<const 
 std::string seconds_text(double seconds) { return fmt::format("{:.3g} s", seconds); }
 std::string bytes_text(std::uint64_t bytes) { return short_number(static_cast<double>(bytes)) + "B"; }
 
-/// Returns at most `rows` points of the series: the largest of each of as many stretches, so that no peak is lost.
+/// Returns at most `rows` points of the series: the one with the largest count in each of at most `rows` stretches, so
+/// that no peak is lost.
 std::vector<std::pair<double, double>> thinned(const std::vector<std::pair<std::uint64_t, std::uint64_t>>& series,
                                                std::size_t rows) {
   std::vector<std::pair<double, double>> thin;

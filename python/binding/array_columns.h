@@ -14,7 +14,7 @@
 
 namespace pointsweep {
 
-/// An N×m array, borrowed until this object is destroyed. Any thread may destroy it.
+/// An N×m array, borrowed until the last copy of this object is destroyed. Any thread may destroy it.
 struct ArrayColumn {
   std::vector<std::string> names;  ///< names of the m values of a row
   Type type = Type::f64;
@@ -26,10 +26,11 @@ struct ArrayColumn {
 };
 
 /// Returns a column that holds the buffer of `array`: N×names.size() numbers in the byte order of the machine. Throws
-/// UsageError for another shape and for values that are not numbers of at most 64 bits.
+/// UsageError for another shape and for values that are not booleans, integers of at most 64 bits, float32 or float64;
+/// Python's exception if the object has no such buffer.
 ArrayColumn borrow_array(nanobind::handle array, std::vector<std::string> names);
 
-/// An N×values array to be written, one row after another without gaps.
+/// An array to be written: value v of row i is at `first` + (i * values + v) * size_of(type).
 struct WritableArray {
   Type type = Type::f64;
   std::byte* first = nullptr;
@@ -38,7 +39,7 @@ struct WritableArray {
 };
 
 /// Returns an array that holds the buffer of `array`, N×m contiguous numbers. Throws like borrow_array(), and Python's
-/// BufferError if `array` is read-only.
+/// exception if `array` is read-only or not contiguous.
 WritableArray borrow_writable(nanobind::handle array, const std::string& name);
 
 }  // namespace pointsweep

@@ -6,7 +6,8 @@
 
 namespace pointsweep {
 
-/// Adds the functions run, run_to_blocks, plan, canonical_stages, neighbors and radius_neighbors (runs.cpp).
+/// Adds the functions run, run_to_blocks, plan, canonical_stages, neighbors and radius_neighbors, the class
+/// SpilledArrays, and the values default_neighbors and run_options (runs.cpp).
 void bind_runs(nanobind::module_& module);
 /// Adds list_files and describe, which list point files and read their headers, and extension_of (files.cpp).
 void bind_files(nanobind::module_& module);
@@ -21,7 +22,7 @@ void bind_crs(nanobind::module_& module);
 /// (checks.cpp).
 void bind_checks(nanobind::module_& module);
 /// Adds the functions that plan a run of many processes, perform a task of it, join the results of tasks, and remove
-/// what tasks left (parts.cpp).
+/// what tasks left; the tuple left_by_tasks and the function with_absolute_files (parts.cpp).
 void bind_parts(nanobind::module_& module);
 /// Adds the class PointBatch (point_batch.cpp).
 void bind_point_batch(nanobind::module_& module);

@@ -30,7 +30,7 @@ std::vector<T> elements(const nb::bytes& bytes) {
   return values;
 }
 
-/// Returns None for a text that is not WKT.
+/// Returns the system that the WKT describes; None if neither a name nor a kind of system is found in the text.
 nb::object wkt_crs(const std::string& wkt) {
   const Crs crs = crs_of_wkt(wkt);
   return crs.name.empty() && crs.kind == CrsKind::unknown ? nb::none() : crs_value(crs);

@@ -33,7 +33,8 @@ nb::tuple list_files(const std::vector<std::filesystem::path>& named, bool recur
   return nb::make_tuple(files, list.notices);
 }
 
-/// Returns the bounds in the headers, ((x, y, z), (x, y, z)); None if a file with points states none.
+/// Returns the bounds in the headers, ((x, y, z), (x, y, z)); None if a file with points states none, or if no file has
+/// points.
 nb::object stated_bounds(const Cloud& cloud) {
   Box box;
   for (std::size_t i = 0; i < cloud.input_count(); ++i) {

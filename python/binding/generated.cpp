@@ -34,8 +34,8 @@ Sampling sampling_of(std::uint64_t points, const nb::dict& options) {
   return sampling;
 }
 
-/// Returns a dict of arrays by name, or, if `path` is not empty, writes that file and returns None. `options` also has
-/// the keys overwrite and threads.
+/// Returns a dict of arrays by name, or, if `path` is not empty, writes the file `path` and returns None. `options` has
+/// the keys of sampling_of(), overwrite and threads.
 nb::object generate(const std::string& shape, std::uint64_t points, const std::filesystem::path& path,
                     const nb::dict& options, const nb::object& progress, const nb::object& warn) {
   const std::unique_ptr<Reader> reader = generated_points(shape, sampling_of(points, options));

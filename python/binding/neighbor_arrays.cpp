@@ -99,8 +99,8 @@ void NeighborArrays::put(const PlaceLists& lists) {
     put(lists, reinterpret_cast<std::uint32_t*>(rows_.bytes.get()), distances);
 }
 
-/// Writer that fills the lists of points without neighbours with missing values. The operator cannot do so, since it
-/// never gets points with non-finite coordinates.
+/// Writer that fills the lists of points without neighbours with missing values. The operator of op() fills the lists
+/// of finite points alone, since it never gets points with non-finite coordinates.
 class NeighborArrays::EmptyRows final : public Writer {
  public:
   EmptyRows(NeighborArrays& arrays, const Schema& schema)

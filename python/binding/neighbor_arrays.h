@@ -15,9 +15,9 @@
 
 namespace pointsweep {
 
-/// Rows and distances of the neighbours of all points of a run, each stored once, at the row of the point. The
-/// values equal those that operators::neighbors() makes. The neighbours of places (place_search.h) are stored at the
-/// number of the place.
+/// Rows and distances of the neighbours of all points of a run, each stored once: neighbour j of the point with the row
+/// i, from the nearest, at the index i * k + j. The values equal those that operators::neighbors() makes. For the
+/// neighbours of places (place_search.h), i is the number of the place.
 class NeighborArrays {
  public:
   NeighborArrays(std::size_t k, std::uint64_t points) : NeighborArrays(k, points, points) {}
@@ -28,8 +28,8 @@ class NeighborArrays {
   /// Returns an operator that makes "neighbor_count", u32, and writes the neighbours of each point to *this, which must
   /// outlive the operator.
   std::shared_ptr<const LocalOperator> op();
-  /// Returns a writer for Outputs::writer. It marks the rows of points without neighbours as missing. *this must
-  /// outlive the run.
+  /// Returns a writer for Outputs::writer. It fills the lists of points without neighbours with missing values. *this
+  /// must outlive the run.
   std::unique_ptr<Writer> writer(const OutputPlan& plan);
   /// Stores neighbours of places. Called from any number of threads at once, for different places.
   void put(const PlaceLists& lists);

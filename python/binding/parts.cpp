@@ -100,9 +100,9 @@ void call_watched(PartRequest& request, const std::function<void()>& work, const
   }
 }
 
-/// Returns (rounds, rows by tile, the option `nonfinite` for the tasks, notes, bytes of a point in the scratch, files
-/// of other clouds by pass, stages for the record, facts). A round: (steps, kind of the results to be joined). A step:
-/// (kind, pass). Files: (paths, points of each).
+/// Returns (rounds, number of rows of each tile or range, the option `nonfinite` for the tasks, notes, most bytes of a
+/// point in the scratch, files of other clouds by pass, stages for the record, facts). A round: (steps, kind of the
+/// join). A step: (kind, pass). Files: (paths, points of each).
 nb::tuple planned_parts(const nb::tuple& shared) {
   PartRequest request(shared);
   PartPlan planned;
@@ -118,7 +118,7 @@ nb::tuple planned_parts(const nb::tuple& shared) {
                         nb::make_tuple(request.facts.points, request.facts.metres_per_unit));
 }
 
-/// Performs a task. Returns (rows left, points of the tile, points swept, statistics as JSON).
+/// Performs a task. Returns the members of PartDone: (rows, own_points, swept_points, statistics as JSON).
 nb::tuple perform(const std::filesystem::path& scratch, const nb::tuple& shared, const nb::dict& task,
                   const nb::object& progress) {
   PartRequest request(shared);

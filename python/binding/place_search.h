@@ -25,10 +25,10 @@ struct PlaceLists {
   std::span<const CellNeighbor> neighbors;
 };
 
-/// Stores the points of a run in cells, and then searches the neighbours of each place. Makes "neighbor_queries", u8,
-/// whose value has no meaning, since a stage without attributes would not run. A place that is not finite has no
-/// neighbours and is not passed on. Memory: 16 bytes for each place, and the neighbours of at most 65,536 places at
-/// once.
+/// Stores the points of a run in cells (PointCells), and then searches the neighbours of each place. Makes the
+/// attribute "neighbor_queries", u8, because a stage without attributes would not run; its values have no meaning. A
+/// place that is not finite has no neighbours and is not passed on. Memory besides the cells: 16 bytes for each place,
+/// and 65,536 places at once with their neighbours.
 class PlaceSearch final : public InOrderOperator {
  public:
   /// Called by any number of threads at once. If `k` is given, a place may be passed twice, with the same neighbours.

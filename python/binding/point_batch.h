@@ -17,7 +17,8 @@ namespace pointsweep {
 /// The points [first, first + size) of a batch. Every function that returns an object makes a new array, which may be
 /// kept. The PointBatch belongs to Python but borrows the points: after end() these functions throw UsageError. Lists
 /// of neighbours are padded to width(), the length of the longest one: values with NaN, or 0 for integers, and row
-/// numbers as neighbor_rows() says.
+/// numbers as neighbor_rows() says. For an operator declared without neighbours, width() is 0, and the functions about
+/// neighbours and counts() throw UsageError.
 class PointBatch {
  public:
   /// `contract`: contract of the operator. `in` and `contract` must stay valid until end().

@@ -26,8 +26,8 @@ namespace nb = nanobind;
 namespace pointsweep {
 
 /// A Python function, the threads of the run that call it, and the first exception it raised. In a Python without an
-/// interpreter lock, the threads call it at the same time. Its last owner may be a thread that is not attached to the
-/// interpreter, so function_of() attaches the thread that destroys the object.
+/// interpreter lock, the threads call the function at the same time. The thread that destroys the object may not be
+/// attached to the interpreter, so the deleter of function_of() attaches it.
 class PythonFunction {
  public:
   explicit PythonFunction(nb::object op) : op_(std::move(op)) {}
@@ -80,8 +80,10 @@ std::shared_ptr<PythonFunction> function_of(nb::handle op) {
 
 bool is_64_bits(Type type) { return type == Type::i64 || type == Type::u64; }
 
-/// Returns the attribute that an operator reads as `name`: the last attribute of that name in `made`, else fields of
-/// the input, named as in the conditions of where().
+/// Returns the attribute that an operator reads as `name`: the last attribute of that name in `made`, unless it is the
+/// position; else a field of the input, found as in the conditions of where(); else the normal, or the fields name_0,
+/// name_1 and so on of the input; else a field that does not exist. Fields are read as float64, except unscaled
+/// integers of 64 bits.
 Attribute resolved(const std::string& name, const Schema& input, std::span<const Attribute> made) {
   for (std::size_t m = made.size(); m-- > 0;)
     if (made[m].name == name && name != position_attribute().name) return made[m];
@@ -112,7 +114,8 @@ Type type_named(const std::string& name) {
   fail_usage("'{}' is not the name of a type.", name);
 }
 
-/// Makes an attribute from (name, type, number of values per point; 0: a single value that is no list).
+/// Makes an attribute from (name, type, number of values per point; 0: a single value that is no list). Positions and
+/// normals have their own types and fields.
 Attribute made_attribute(const std::tuple<std::string, std::string, std::size_t>& made) {
   const auto& [name, type_name, values] = made;
   if (name == position_attribute().name) return position_attribute();
@@ -150,8 +153,8 @@ class PythonCall {
     contract_.reads_neighbors = all_resolved(reads_neighbors_, input, made);
   }
 
-  /// Calls the function with pieces of the batch. put(m, first, size, array) gets its result m for the `size` points
-  /// from `first` on.
+  /// Calls the function with pieces of the batch. put(m, first, size, array) gets the result m of the function for the
+  /// `size` points from `first` on.
   template <class Put>
   void call(const Neighborhoods& in, Put put) const {
     function_->threads().call([&] {
@@ -181,7 +184,7 @@ class PythonCall {
   std::shared_ptr<PythonFunction> function_;
 };
 
-/// Copies the first `bytes` bytes of the array `result`, which has a component for each field, to `to`.
+/// Copies `bytes` bytes from the beginning of `result`, a contiguous array with a column for each field, to `to`.
 void copy_values(nb::handle result, const std::vector<std::string>& fields, std::size_t bytes, std::byte* to) {
   std::memcpy(to, borrow_array(result, fields).first, bytes);
 }

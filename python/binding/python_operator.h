@@ -15,7 +15,7 @@ namespace pointsweep {
 class PythonFunction;
 class PythonThreads;
 
-/// The functions that the operators of Python in a chain call.
+/// The Python functions that a chain calls, one for each of its operators of Python.
 using PythonFunctions = std::vector<std::shared_ptr<PythonFunction>>;
 
 /// Returns the stage that `op`, a pointsweep.Operator, describes: a SelectOperator if `op` makes no attribute. Appends

@@ -14,8 +14,8 @@
 
 namespace pointsweep {
 
-/// Lists of neighbours, one for each point of a run or for each place of a search. They are kept in memory, 16 bytes
-/// for each neighbour.
+/// Lists of neighbours, one for each point of a run or for each place of a search. They are kept in memory: 16 bytes
+/// for each neighbour, 12 for each list.
 class RadiusLists {
  public:
   RadiusLists() = default;
@@ -36,7 +36,8 @@ class RadiusLists {
   nanobind::tuple arrays(std::uint64_t lists, std::uint64_t points);
 
  private:
-  /// The lists of a batch, one after another.
+  /// The lists of a batch. List i has the counts[i] elements of `rows` and of `distances` that follow those of list i
+  /// - 1.
   struct Batch {
     std::vector<std::uint64_t> points;  ///< rows of points, or numbers of places
     std::vector<std::uint32_t> counts;

@@ -18,7 +18,8 @@ struct PythonChain : Chain {
 };
 
 /// Opens a cloud. `source`: a list of paths, or of pairs (names, N×m array). `with_rows`: clouds of arrays get the
-/// field kRowField. Throws the errors of Cloud.
+/// field kRowField. `options` has the keys ignore_crs, format and crs, and, if crs is not None, replace_crs. Throws the
+/// errors of Cloud and of borrow_array().
 Cloud open_cloud(const nanobind::list& source, bool with_rows, const nanobind::dict& options);
 
 /// Builds the chain for the cloud of `facts`. `pipeline`: a list of texts and of operators of Python. Throws the errors
@@ -27,7 +28,8 @@ PythonChain chain_of(const nanobind::list& pipeline, const Facts& facts);
 /// Builds a chain that is run: throws UsageError for a pipeline with only knn. An empty pipeline copies the points.
 PythonChain chain_to_run(const nanobind::list& pipeline, const Facts& facts);
 
-/// Returns whether the rows of the output differ from the rows of the input: some are left out, or the order differs.
+/// Returns whether the rows of the output may differ from the rows of the input: rows may be left out, or the order may
+/// differ.
 bool changes_rows(const Chain& chain, const RunOptions& options);
 
 /// Returns whether a stage makes positions.

@@ -31,8 +31,8 @@ struct ArrayMemory {
 /// Returns a NumPy array that owns `memory`.
 nanobind::object numpy_array(ArrayMemory memory, const std::vector<std::size_t>& shape, Type type);
 
-/// Returns the type of the array for the values of `field`: f64 if it is scaled; u8, u16 or u32 for a bit field; else
-/// the type of the field.
+/// Returns the type of the array for the values of `field`: f64 if the field has a scale or an offset; u8, u16 or u32
+/// for a bit field; else the type of the field.
 Type result_type(const Field& field);
 
 /// The name of an array and the fields that are its components, e.g. {"xyz", {"x", "y", "z"}}.
@@ -46,7 +46,7 @@ struct WantedArrays {
   std::map<std::string, WritableArray> into = {};  ///< existing arrays to fill, by name
 };
 
-/// Splits the records of a run into arrays in memory or in a temporary file.
+/// Splits the records of a run into arrays: new ones in memory or in a temporary file, and existing ones.
 class ResultArrays {
  public:
   explicit ResultArrays(WantedArrays wanted) : wanted_(std::move(wanted)) {}
@@ -54,7 +54,7 @@ class ResultArrays {
   /// file cannot be created.
   ResultArrays(WantedArrays wanted, const std::filesystem::path& folder);
   /// Returns a writer for Outputs::writer. *this must outlive the run. Throws UsageError for a wanted name that does
-  /// not exist.
+  /// not exist, and for an existing array whose type or shape differs from that of the result.
   std::unique_ptr<Writer> writer(const OutputPlan& plan);
   /// Returns name -> (N or N×m array, or for an existing array the number of its first rows that were filled; names of
   /// its components) after the run. The calling thread must be attached to the interpreter. Empties *this.

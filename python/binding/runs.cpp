@@ -63,8 +63,9 @@ std::string run_into(ResultArrays& results, Cloud& cloud, const PythonChain& cha
   return run_watched(cloud, chain, outputs, options, callbacks);
 }
 
-/// Returns the arrays that `chain.keep` names; if it is empty, the made attributes, or all attributes if the rows
-/// differ from the rows of the input. Changes `chain.keep` to the fields that the run must write for these arrays.
+/// Returns the arrays that `chain.keep` names; if it is empty, the made attributes, or all attributes if
+/// changes_rows(). Changes `chain.keep` to the fields that the run must write for these arrays; it stays empty if all
+/// are needed.
 WantedArrays wanted_arrays(Chain& chain, const RunOptions& options, std::vector<FieldGroup> groups) {
   WantedArrays wanted{std::move(groups), {chain.keep.begin(), chain.keep.end()}, false};
   if (!wanted.names.empty()) {
@@ -77,7 +78,7 @@ WantedArrays wanted_arrays(Chain& chain, const RunOptions& options, std::vector<
     wanted.made_only = true;
     if (moves_points(chain)) return wanted;  // "x" would then mean the made position, and exclude other made attributes
   }
-  chain.keep.push_back("x");  // excludes all other attributes of the input
+  chain.keep.push_back("x");  // excludes all attributes of the input that are not named
   return wanted;
 }
 
@@ -131,8 +132,8 @@ void leave_finite_points(Chain& chain) {
 }
 
 /// Runs like run_pipeline(), with results in a temporary file. Returns (SpilledArrays, whether they include kRowField
-/// because the rows differ from the rows of the input, statistics). `numbers`: for points in files, an operator of
-/// Python that makes kRowField; else None.
+/// because changes_rows(), statistics). `numbers`: for points in files, an operator of Python that makes kRowField;
+/// else None.
 nb::tuple run_to_blocks(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
                         const nb::dict& given, const std::vector<FieldGroup>& groups, const nb::object& numbers,
                         const nb::object& progress, const nb::object& warn) {
@@ -173,7 +174,8 @@ void search_places(Cloud& cloud, const ArrayColumn& queries, std::optional<std::
   run_watched(cloud, chain, outputs, run_options(given), callbacks);
 }
 
-/// Finds the k nearest neighbours of the places `queries`, an N×3 array; if it is None, of each point.
+/// Finds the k nearest neighbours within the radius of the places `queries`, an N×3 array; if it is None, of each
+/// point.
 nb::tuple neighbors(const nb::list& source, const nb::object& queries, std::size_t k, double radius,
                     const nb::dict& given, const nb::object& progress, const nb::object& warn) {
   Cloud cloud = open_cloud(source, false, given);

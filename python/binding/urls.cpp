@@ -17,8 +17,8 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-/// Returns (bytes, seconds of the last change since 1970, text that distinguishes versions); None if there is no such
-/// object.
+/// Returns (number of bytes, time of the last change in seconds since 1970, text that distinguishes versions); None if
+/// there is no such object.
 nb::object object_state(const std::string& url) {
   std::optional<RemoteVersion> found;
   {

@@ -20,7 +20,7 @@ namespace {
 
 constexpr auto kBetweenLooks = std::chrono::milliseconds(50);  // longest wait between checks for signals
 
-/// The events since the last call of look().
+/// The events since the last call of look(); of several reports of progress, the last.
 struct Events {
   std::optional<Progress> progress;
   std::vector<std::string> warnings;

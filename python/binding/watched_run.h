@@ -18,8 +18,9 @@ struct Callbacks {
 };
 
 /// Calls work(observer) on another thread, without the interpreter lock. Meanwhile the calling thread handles Python's
-/// signals and makes the callbacks. Their exceptions, such as KeyboardInterrupt, cancel the work and are thrown when it
-/// has ended; otherwise the exception of the work is thrown.
+/// signals and makes the callbacks. The first exception of a signal, such as KeyboardInterrupt, or of a callback
+/// cancels the work, ends the callbacks and is thrown when the work has ended; else an exception of the work is thrown
+/// then.
 void watch(const Callbacks& callbacks, const std::function<void(Observer&)>& work);
 
 /// Reports the progress of work. Throws Cancelled if the work has been cancelled.
