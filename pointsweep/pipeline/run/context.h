@@ -21,8 +21,8 @@
 
 namespace pointsweep {
 
-/// The places for the temporary data of a run: the folder of its checkpoints, or a temporary folder, which is made on
-/// first use.
+/// The places for the temporary data of a run: the folder of its checkpoints, if it can be resumed, for data that later
+/// phases or a resumed run need, and a temporary folder, made on first use, for all other data.
 class RunPlaces {
  public:
   /// `identity`: identity of a run that can be resumed; absent for other runs. Throws the errors of Checkpoints().
@@ -80,12 +80,13 @@ struct Context {
   Context over(InputCloud& left) const;
   Statistics& statistics() const { return report.statistics; }
   bool is_empty() const { return cloud.count() == 0; }  ///< returns whether no row is left
-  /// Returns the bytes for the open inputs, for decoding them and for encoding records of `record_bytes` on `threads`
-  /// threads, and the least memory for dividing the output.
+  /// Returns the bytes for the open inputs, for decoding those that are not decoded into a temporary file, for encoding
+  /// records of `record_bytes` on `threads` threads, and, if the output is divided, the least memory for dividing it.
   std::uint64_t codec_bytes(std::uint64_t record_bytes, unsigned threads) const;
   /// Returns whether pass `p` makes whole output records in the order of its stream.
   bool makes_output(std::size_t p) const;
-  /// Returns the selected rows of the cloud as a source that counts the bytes read.
+  /// Returns the selected rows of the cloud as a source that adds the bytes of each record read to
+  /// Statistics::bytes_read.
   PointSource cloud_source() const;
   /// Tells the observer how many points of the phase are done, and how many points are in memory.
   void progress(const char* phase, std::uint64_t done, std::uint64_t active = 0) const;

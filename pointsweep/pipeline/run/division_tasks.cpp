@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The tasks of a run on many machines that divides its points among files (part_run.h).
+/// The tasks of a run on many machines that divides its points among files, their plan and their join (part_run.h).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,8 +32,9 @@ namespace {
 
 constexpr std::uint64_t kBytesOfPiece = 1 << 20;
 
-/// The least number of rows of a range, and the largest number of ranges. They bound the time that all tasks together
-/// spend on opening all inputs: 0.1 ms for each input and task, while the work on a range takes seconds.
+/// The least number of rows of a range, unless kRangesOfFiles asks for more ranges, and the largest number of ranges.
+/// They bound the time that all tasks together spend on opening all inputs: 0.1 ms for each input and task, while the
+/// work on a range takes seconds.
 constexpr std::uint64_t kRowsOfRange = 4'000'000, kMostRanges = 256;
 /// A cloud has at least as many ranges as input files, up to this number.
 constexpr std::uint64_t kRangesOfFiles = 16;

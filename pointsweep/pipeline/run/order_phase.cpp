@@ -20,7 +20,7 @@ struct PointsInOrder {
   Surveyed points;  ///< survey of the source
   std::size_t pass;
   const MemoryPlan& memory;
-  bool canonical = false;  ///< true if points with equal coordinates must be ordered, too
+  bool canonical = false;  ///< StreamOptions::canonical: slabs in canonical order, or as a sweep should read them
   bool whole = false;      ///< true to stream whole records instead of the attributes that stages read
   bool numbered = false;   ///< true if the records of `source` end with their row (StreamOptions::numbered)
   std::vector<std::size_t> payload = {};
@@ -151,8 +151,9 @@ Ordered order_places(const Context& context, const WorkPlan& work, std::size_t p
 
 }  // namespace
 
-/// Puts the points of a pass in order. The reference engine always gets canonical order, along an axis that a survey
-/// of all points has chosen, because its search can be approximate; then the results depend on order and axis.
+/// Puts the points of a pass in order. The reference engine always gets canonical order, along the axis of the options
+/// or else the axis that a survey of all points has chosen, because its search can be approximate; then the results
+/// depend on order and axis.
 Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, Surveyed points,
                    OutputFiles& files) {
   if (p == context.plan.passes.size()) return order_output(context, work, rows, std::move(points), files);

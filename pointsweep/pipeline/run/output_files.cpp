@@ -27,7 +27,7 @@ struct RunRecord {
   std::vector<std::string> stages;  ///< result of recorded_stages()
   std::vector<std::string> keep;    ///< result of recorded_keep()
   const EngineOptions& options;
-  int axis = 0;  ///< axis of the sweep
+  int axis = 0;  ///< axis of the survey; recorded if the output is in order along it
   bool drops_nonfinite = false;
 };
 
@@ -103,7 +103,7 @@ bool reorders(const Context& context) {
   return !std::ranges::is_sorted(plan.kept.order, {}, place);
 }
 
-/// Returns whether an attribute is not written because of Chain::keep.
+/// Returns whether an attribute is not written because of Chain::keep or of a stage that drops attributes.
 bool leaves_out(const ChainPlan& plan) {
   std::set<std::string> made;
   for (const ChainStage& stage : plan.chain.stages)
@@ -112,7 +112,8 @@ bool leaves_out(const ChainPlan& plan) {
   return plan.kept.input || !plan.kept.left_out.empty() || plan.kept.attributes.size() < made.size();
 }
 
-/// Returns whether every stage reads only the point itself.
+/// Returns whether no stage looks at neighbours. False for a chain without stages, and for a chain with a Reneighbor or
+/// Resort.
 bool searches_nothing(const Chain& chain) {
   return !chain.stages.empty() && std::ranges::all_of(chain.stages, [](const ChainStage& stage) {
     return std::holds_alternative<Drop>(stage) || (operator_of(stage) != nullptr && contract_of(stage).default_k == 0);
@@ -120,7 +121,7 @@ bool searches_nothing(const Chain& chain) {
 }
 
 /// Returns the names of Chain::keep for a record: in the given order if the columns of an output have this order, else
-/// sorted. Returns none if the run keeps all attributes in the default order.
+/// sorted, each once. Returns none if the run keeps all attributes in the default order.
 std::vector<std::string> recorded_keep(const Context& context) {
   std::vector<std::string> names = context.plan.chain.keep;
   if (reorders(context)) return names;
@@ -157,7 +158,7 @@ std::optional<Box> bounds_if_known(const Context& context, const Survey& survey,
 }
 
 /// Returns the positions of the points of tiles after the last stage, from the rows that the last pass leaves; none if
-/// no stage moves points.
+/// moved_bounds() is absent.
 std::optional<MovedPoints> moved_points(const Context& context, const Rows& rows) {
   const std::optional<Box> bounds = moved_bounds(context, rows.values);
   if (!bounds) return std::nullopt;
@@ -191,7 +192,7 @@ struct EncoderMemory {
     return std::min<std::uint64_t>(threads - 1, spare / (kChunksOfTile + one_output));
   }
 
-  /// Returns the bytes for records that are divided among files.
+  /// Returns the bytes for records that are divided among files; 0 if the output is not divided.
   std::uint64_t division(const EngineOptions& options) const {
     return options.division.divides() ? kLeastDivisionBytes + spare / 4 * 3 : 0;
   }

@@ -16,12 +16,15 @@
 
 namespace pointsweep {
 
-/// Returns whether the bounds of all points must be found before the first record is written. True if the format stores
-/// integers, the records do not have the same integers already, and the bounds are not known otherwise.
+/// Returns whether the bounds of all points must be found before the first record is written. True if the format of
+/// Outputs::points stores coordinates as integers, the output does not take over the integers of the input (a stated
+/// scale or offset counts as a change), and neither a stage that moves points nor the check for nonfinite points makes
+/// the bounds known.
 bool needs_bounds(const Context& context);
 
 /// Returns the texts of the stages for the processing record of a run (formats/provenance.h). The neighbourhood is the
-/// first text, unless the stages search no neighbours.
+/// first text, unless the stages search no neighbours. The only text is "sort" for a sort, and "convert" without
+/// stages.
 std::vector<std::string> recorded_stages(const ChainPlan& plan);
 
 /// The output of a run that only copies rows (copies_rows()), and memory for dividing it.
@@ -40,7 +43,7 @@ class OutputFiles {
   /// Opens the outputs before the first pass. If ChainPlan::opens_late(), only checks that they can be written.
   void open(const Context& context, const WorkPlan& work, const Survey& survey, const Rows& rows);
   /// Opens the outputs after the passes. Must not be called if are_open(). `survey`: survey of the points that were put
-  /// in order last.
+  /// in order last, or of the input if none were; if needs_bounds(), all points are surveyed again.
   void open_late(const Context& context, const WorkPlan& work, Survey survey, const Rows& rows);
   bool are_open() const { return files_ || tiles_; }
   bool are_tiles() const { return tiles_.has_value(); }

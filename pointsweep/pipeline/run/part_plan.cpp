@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The client of a run on many machines, with a tile for each input: refuses runs that cannot be divided, lists the
-/// rounds, and joins the results of all tasks of a round (PartJoin).
+/// The client of a run on many machines: refuses runs that cannot be divided, lists the rounds, and joins the results
+/// of all tasks of a round (PartJoin), except the pieces of a divided output (division_tasks.cpp).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -44,8 +44,9 @@ void require_divisible(const ChainPlan& plan, const Outputs& outputs, const Engi
   }
 }
 
-/// Throws UsageError if stages move points and the tiles to write have no common coordinate grid: all outputs need the
-/// same grid before the work, and only the inputs or the user can give it.
+/// Throws UsageError if stages move points, inputs are LAS or made from LAS but have no common coordinate grid, and the
+/// user does not state both scale and offset. All outputs need the same grid before the work, and only the inputs or
+/// the user can give it.
 void require_common_grid(const InputCloud& cloud, const ChainPlan& plan, const EngineOptions& options) {
   const bool moves = plan.graph.moved_bounds.has_value();
   const bool stated = options.layout.scale.has_value() && options.layout.offset.has_value();

@@ -40,7 +40,8 @@ namespace {
 
 constexpr std::size_t kBytesAtOnce = 4 << 20;
 
-/// Returns the schema of the records in which a file of another cloud is stored: positions and the fields of `reads`.
+/// Returns the schema of the records in which a file of another cloud is stored: positions, the fields of `reads`, and
+/// the row.
 Schema working_of_other(const InputCloud& file, const std::vector<Attribute>& reads) {
   std::vector<std::size_t> fields;
   for (const Attribute& a : reads) fields.push_back(file.schema().find(a.name).value());

@@ -29,7 +29,7 @@ ChainPlan plan_of(const SharedRequest& request);
 
 /// The kind of a step, which a task performs. The kind of a round is the kind of its first step.
 enum class PartRoundKind : std::uint8_t {
-  look,    ///< counts the points with non-finite coordinates, if these are dropped
+  look,    ///< counts the points with non-finite coordinates if these are dropped; fails if they are refused
   other,   ///< stores the points of a file of the other cloud that a pass reads
   order,   ///< puts the points of a tile in order and stores them for the other tiles
   sweep,   ///< takes the points of a tile and its halo through the stages of a pass; ends the pass if it makes no graph
@@ -72,12 +72,13 @@ struct PartPlan {
   std::vector<std::uint64_t> rows;  ///< number of rows of each tile; of each range of rows if the output is divided
   Nonfinite nonfinite = Nonfinite::keep;
   std::vector<std::string> record;  ///< recorded_stages(), for the processing record of the outputs
-  std::uint64_t scratch_bytes = 0;  ///< most bytes that the scratch stores for each point
+  std::uint64_t scratch_bytes = 0;  ///< estimate of the most bytes that the scratch stores for each point
   std::vector<std::string> notes;   ///< sentences for the user, which a run of one process reports before its work
 };
 
-/// Plans a run with a tile for each input from the headers of the inputs. Throws UsageError for a run that cannot be
-/// divided among tiles, and the errors that run() throws before its work. `request`: all inputs.
+/// Plans a run from the headers of the inputs: with a tile for each input or, if the output is divided, with ranges of
+/// rows. Throws UsageError for a run that cannot be divided in this way, and the errors that run() throws before its
+/// work. `request`: all inputs.
 PartPlan plan_parts(const SharedRequest& request);
 
 struct PartTask {
@@ -137,20 +138,23 @@ void join_graph(const SharedRequest& request, const PartRound& round, Storage& s
 void join_values(const SharedRequest& request, const PartRound& round, Storage& scratch, const std::string& before,
                  const std::vector<std::string>& left, const std::string& key);
 
-/// The suffixes of the objects that tasks store in the scratch. Each task stores objects with some of these suffixes.
+/// The suffixes of the objects that tasks store in the scratch. A task stores objects with some of these suffixes, or
+/// none if it only writes outputs.
 inline constexpr std::array kLeftByTasks{".points",     ".index",     ".state",   ".rows",  ".results", ".labels",
                                          ".components", ".crossings", ".numbers", ".nodes", ".edges",   ".marks",
                                          ".buckets",    ".forest",    ".pieces",  ".cut"};
 /// Removes all objects that a task has stored under the name `left`. Missing objects are no error.
 void forget(Storage& scratch, const std::string& left);
 
-// The functions below are tasks of a run that divides its points among files (`tile`, `split`). Each task of the first
-// round cuts a range of the rows into pieces, one for each file; each task of the second round writes some of the files
-// from the pieces of all ranges. All tasks open all inputs, so that they plan the same layout for the output. The chain
-// has no stages and names the attributes to keep; Outputs::points is the path of the files, with a * for their names.
+// The functions below plan and perform the tasks of a run that divides its points among files (`tile`, `split`). Each
+// task of the first round cuts a range of the rows into pieces, one for each file with points in the range; each task
+// of the second round writes some of the files from the pieces of all ranges. All tasks open all inputs, so that they
+// plan the same layout for the output. The chain has no stages, but may name the attributes to keep; Outputs::points is
+// the path of the files, with a * for their names.
 
-/// Returns the number of rows of each range. Throws UsageError for a chain with stages, for inputs from which nonfinite
-/// points must be dropped, and if the layout of the output depends on all points.
+/// Returns the number of rows of each range. Throws UsageError for a chain with stages; for inputs that may have
+/// nonfinite points, unless these are kept; and if copies_rows() is false on one thread, for example because the layout
+/// of the output depends on all points.
 std::vector<std::uint64_t> plan_ranges(const SharedRequest& request);
 /// Returns the bytes of the record of a point in the pieces. Throws for outputs that cannot be written, as far as this
 /// is known before the work.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The phases of a run. Each is a function of values that earlier phases have returned; a checkpoint can be stored
-/// after each.
+/// The phases of a run. Each is a function of values that earlier phases have returned. A run that can be resumed
+/// stores a checkpoint after each order, sweep and update phase, except after the order phase that follows the last
+/// pass.
 #pragma once
 
 #include <algorithm>
@@ -55,7 +56,7 @@ struct WorkPlan {
   std::uint64_t spare_bytes() const { return budget - std::min(budget, memory.expected_bytes); }
 };
 
-/// The survey of points that an order phase has still to put in order.
+/// The survey of the points that the next order phase puts in order.
 struct Surveyed {
   Survey survey;
   std::vector<RowBox> boxes;  ///< boxes for slabs on demand, for the first pass that puts points in order
@@ -81,7 +82,8 @@ struct Rows {
 };
 
 /// Returns the cloud, with a file of decoded records in place of inputs that are slow to decode
-/// (FileInfo::decode_once). Throws before decoding if the outputs cannot be written.
+/// (FileInfo::decode_once), unless the run only copies rows. Before decoding, throws if the outputs cannot be written,
+/// as far as this is known; an Outputs::writer is not checked.
 InputCloud decode_input(const Context& context, OutputFiles& files);
 /// Surveys a sample of the input, or all points if the plan needs it. A resumed run gets the survey of its checkpoint;
 /// a run that only copies rows gets an empty survey.
@@ -92,7 +94,8 @@ WorkPlan plan_work(const Context& context, Surveyed& input);
 Survey survey_points(const Context& context, const PointSource& source, bool exact);
 
 /// Puts the points of a pass in order. If `p` is the number of passes, puts the records of the output in order, and
-/// first opens files that are not open yet.
+/// first opens files that are not open yet. `points`: used for pass 0, in a sort, and if a checkpoint has the points in
+/// order; in other cases this function surveys the points itself.
 Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, Surveyed points,
                    OutputFiles& files);
 
@@ -113,7 +116,7 @@ struct PlaceOfTile {
   std::string name;            ///< beginning of the names of the graph's objects
 };
 
-/// Inputs of a pass besides its points.
+/// The other cloud of a pass, and what a pass over one tile needs besides its points.
 struct PassSupport {
   /// Passes the points of the other cloud, in order along an axis, to `take`. Unused without another cloud.
   std::function<void(int axis, const std::function<void(const OtherPoints&)>& take)> other = {};
@@ -130,8 +133,8 @@ std::unique_ptr<RowStore> sweep_pass(const Context& context, const WorkPlan& wor
                                      const PassSupport& support);
 
 /// Performs a pass in which one stage makes edges between points. Also computes, for each point, the values of its
-/// component of the graph. Fills `results` for all points with finite coordinates, which are
-/// in slabs. A resumed run starts this sweep again.
+/// component of the graph. Fills `results` for all points with finite coordinates, which are in slabs; the caller fills
+/// the records of other rows afterwards. A resumed run starts this sweep again.
 SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pass, const Ordered& points,
                                   SweepOptions options, RowStore& results);
 /// Performs a pass with a connecting stage in a task over one tile: stores the graph of the tile, and fills `results`

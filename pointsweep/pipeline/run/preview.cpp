@@ -87,8 +87,8 @@ std::string effort_text(const Effort& effort) {
   return fmt::format("effort        {}, {}\n", effort.text, about_time_text(effort.seconds));
 }
 
-/// Describes how a pass goes over the points: the order of reading; for a sweep, its neighbourhood, its effort, and the
-/// stage that connects neighbours.
+/// Describes how a pass goes over the points: for a pass over rows, the order of reading; for an in-order pass, also
+/// its effort if it takes long; for a sweep, its neighbourhood, its effort, and the stage that connects neighbours.
 std::string passage_text(const Preview& p, std::size_t s) {
   const PlannedPass& pass = p.planned.passes[s];
   if (pass.kind == PassKind::rows) return "reads         the rows in their order; no neighbours are searched\n";

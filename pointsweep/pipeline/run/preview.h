@@ -30,13 +30,14 @@ struct Preview {
   RunMemory memory;
 };
 
-/// Plans a run from a sample of the cloud, without writing. Throws the errors that run() throws before the work.
-/// `outputs`: their formats decide names and the size of records; the files need not exist.
+/// Plans a run from a sample of the cloud, without writing. Throws most errors that run() throws before the work, and
+/// UsageError for the reference engine. `outputs`: their formats decide names and the size of records; the files need
+/// not exist.
 Preview preview(const InputCloud& cloud, const Chain& chain, const EngineOptions& options = {},
                 const Outputs& outputs = {});
 
-/// Returns lines of text about each pass (stages, steps, buffers, columns, carried attributes, slabs), about the record
-/// of results and about memory.
+/// Returns lines of text about the number of points, each pass (stages, steps, buffers, columns, carried attributes,
+/// slabs), the record of results, the outputs and the memory, and the notes.
 std::string to_text(const Preview& preview);
 
 }  // namespace pointsweep

@@ -25,7 +25,8 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the paths of all files that a run writes. Empty paths stand for files that are not requested.
+/// Returns the paths of the point files, arrays and tiles that a run writes, and of its half-way states. Empty paths
+/// stand for files that are not requested.
 std::vector<std::filesystem::path> written_files(const Outputs& outputs, const EngineOptions& options) {
   std::vector<std::filesystem::path> written = {outputs.points, options.half_way_states};
   for (const auto& [name, path] : outputs.arrays) written.push_back(path);
@@ -41,7 +42,8 @@ OutputNames names_of_output(const Request& request) {
   return names_in_outputs(cloud, plan, outputs, options);
 }
 
-/// Warns of neighbourhoods of more points than the cloud has. Sets Statistics::k.
+/// Warns of each k of a sweep that is more than the number of other points in the cloud. Sets Statistics::k to the k of
+/// the first sweep, or to 0 if this k is unlimited.
 void note_neighborhoods(const Request& request, const RunReport& report) {
   std::set<std::size_t> noted;
   for (const PlannedPass& pass : request.plan.passes) {

@@ -22,12 +22,13 @@ struct Request {
 /// Returns the plan of a sort(): no passes, only the order of the output.
 ChainPlan plan_sort(const Schema& input, const std::vector<std::string>& keep);
 
-/// Returns whether the run only copies rows: it makes no attributes, drops no rows, and its output needs no facts about
-/// all points. Such a run has no survey and decodes no input into a temporary file. False if the decoders of all
-/// threads would take more than half of the memory budget.
+/// Returns whether the run only copies rows in input order: it makes no attributes, drops no rows, and its output needs
+/// no facts about all points. Such a run has no survey and decodes no input into a temporary file. False for tiles, for
+/// a run that can be resumed, for the reference engine, and if the decoders of all threads would take more than half of
+/// the memory budget.
 bool copies_rows(const Request& request);
 
-/// Returns whether a stage reads attributes of the input.
+/// Returns whether a stage reads attributes of the input, or attributes that an earlier pass has made.
 bool reads_attributes(const ChainPlan& plan);
 
 /// The other clouds that a run reads: one entry for each pass, absent if the pass reads no other cloud.
@@ -44,7 +45,7 @@ Statistics first_counts(const Request& request, const NonfiniteRows& dropped);
 /// names of attributes in the outputs.
 OutputNames check_request(const Request& request, const RunReport& report);
 /// Throws the error that the writer of the output would throw later if files of its format cannot hold the records.
-/// Does not check the tiles of a folder.
+/// Checks only formats with Format::stored_coordinate, and not the tiles of a folder.
 void require_layout(const Request& request, const OutputNames& names);
 /// Returns an estimate of the bytes that the output stores in the temporary folder while it is written; 0 for tiles and
 /// for a divided output.

@@ -52,7 +52,8 @@ Rows restored_rows(const Context& context, std::shared_ptr<InputCloud> all) {
   return rows;
 }
 
-/// Returns whether an earlier process has completed the phase.
+/// Returns whether a phase is left out because an earlier process has completed it. The survey, and an order phase
+/// whose sweep is not complete, are performed again, from the values of the checkpoint.
 bool is_done(const Checkpoints* checkpoints, const Phase& phase) {
   if (checkpoints == nullptr || phase.kind == PhaseKind::survey) return false;
   const Checkpoint& last = checkpoints->last();

@@ -24,12 +24,13 @@ struct TileState {
   Survey survey;                             ///< survey of the tile's input
   std::vector<std::vector<std::byte>> mask;  ///< blocks of the selection of rows; empty if all rows are left
   std::string carried;                       ///< name of the task that has stored the carried records; empty if none
-  std::vector<std::vector<std::byte>> saved_values;  ///< PassValues::save() of the last pass that has ended
-  std::string swept;                                 ///< name of the task whose sweep has stored a graph; empty if none
+  /// PassValues::save() of the last pass that has ended; empty after an order step.
+  std::vector<std::vector<std::byte>> saved_values;
+  std::string swept;  ///< name of the task whose sweep has stored a graph; empty if none
 
   void encode(Encoder& out) const;
   static TileState decode(Decoder& in);
-  /// Seals the state of a task whose objects begin with `name`.
+  /// Seals this state in `scratch` as the object `name`.state.
   void seal(Storage& scratch, const std::string& name) const;
   /// Returns the state that seal() has stored for `name`.
   static TileState left(const Storage& scratch, const std::string& name);
@@ -40,8 +41,8 @@ void seal_values(Storage& scratch, const std::string& key, const CloudValues& va
 /// Returns the values that seal_values() has stored under `key`.
 CloudValues sealed_values(const Storage& scratch, const std::string& key);
 
-/// The pieces into which one range of rows is divided: for each file of the output, the number of its points in the
-/// range. The records are stored in the order of the pieces.
+/// The pieces into which one range of rows is divided: for each file with records from the range, its key and its
+/// numbers of points in the range. The records are stored in the order of the pieces.
 struct PiecesOfRange {
   std::vector<DividedFile> pieces;
 
@@ -62,7 +63,8 @@ struct FilesOfRanges {
 
   void encode(Encoder& out) const;
   static FilesOfRanges decode(Decoder& in);
-  /// Returns the indices of the files that task `task` of `tasks` writes. The tasks get about equal numbers of points.
+  /// Returns the indices of the files that task `task` of `tasks` writes. The tasks get about equal numbers of points,
+  /// as far as whole files allow.
   std::vector<std::size_t> of_task(std::size_t task, std::size_t tasks) const;
 };
 

@@ -38,7 +38,8 @@ void write_made(const Context& context, std::size_t p, const Rows& rows, RowStor
   });
 }
 
-/// Writes the rows that the last pass leaves, with the carried attributes if there are any.
+/// Writes the rows that are left, with the carried attributes if the plan makes any: the rows after the last pass, or
+/// all rows of a run that only copies.
 void write_rows(const Context& context, const Rows& rows, OutputFiles& files) {
   const std::size_t bytes = bytes_of(context.plan.made);
   const std::size_t stride = bytes != 0 ? bytes : context.cloud.schema().stride;
