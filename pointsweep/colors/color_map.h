@@ -8,14 +8,14 @@
 
 namespace pointsweep {
 
-/// Returns a colour of Viridis (van der Walt and Smith 2015, CC0): equal steps of the value are perceived as equal,
-/// also in grey and by colour-blind people. 0 is dark violet and 1 is yellow. Values outside of [0, 1] get the colours
-/// of the ends, NaN gets no_value_color().
+/// Returns a colour of Viridis (van der Walt and Smith 2015, CC0), interpolated between ten of its colours. Equal steps
+/// of the value are perceived as equal, also in grey and by colour-blind people. 0 is dark violet and 1 is yellow.
+/// Values outside of [0, 1] get the colours of the ends, NaN gets no_value_color().
 Rgb viridis(double value);
 /// Returns a colour of Turbo (Mikhailov 2019, by his polynomials), a smooth rainbow from dark blue over green to dark
-/// red.
+/// red. Values outside of [0, 1] and NaN get colours as in viridis().
 Rgb turbo(double value);
-/// Returns a grey from black (0) to white (1).
+/// Returns a grey from black (0) to white (1). Values outside of [0, 1] and NaN get colours as in viridis().
 Rgb gray(double value);
 /// Returns the grey that stands for NaN.
 Rgb no_value_color();

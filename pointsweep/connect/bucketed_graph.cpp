@@ -14,8 +14,8 @@
 namespace pointsweep {
 namespace {
 
-/// Number of edges that the forest takes at once. It is large because each SpanningForest::join() goes through all
-/// candidate edges.
+/// As soon as at least this many edges have been read, and at the end of each bucket, the forest takes them. The number
+/// is large because each SpanningForest::join() goes through all candidate edges.
 constexpr std::size_t kEdgesAtOnce = 1 << 16;
 
 template <class T>
@@ -37,6 +37,7 @@ using EndRows = std::array<std::uint64_t, 2>;
 }  // namespace
 
 /// Reads the buckets in order. Opens the points of a bucket, joins its edges, closes the points without later edges.
+/// Leaves the points open for which `stays_open` returns true.
 std::uint64_t grow(SpanningForest& forest, const BucketedGraph& graph, const GrowthOptions& options) {
   BucketedGraph::Points chunk;
   std::vector<ForestEdge> edges, some;

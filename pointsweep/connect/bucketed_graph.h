@@ -2,8 +2,9 @@
 /// Points and edges in buckets along an axis, and the forest that grows from them.
 ///
 /// A point belongs to the bucket of its key. An edge lies in the bucket of its later end. If the other end lies in an
-/// earlier bucket, that bucket holds a mark: the point has edges until the bucket of this edge. So when buckets are
-/// read in order, no edge of a point comes after its own bucket and the last bucket that its marks name.
+/// earlier bucket, that bucket holds a mark: the other end has edges up to the bucket of this edge. So when buckets are
+/// read in order, the last edge of a point comes in the last bucket that its marks name; without marks, in its own
+/// bucket.
 #pragma once
 
 #include <cstddef>

@@ -26,7 +26,8 @@ class Components {
   /// Finds the components. `setup` must outlive this object.
   Components(const EdgeBuckets& buckets, const ComponentsSetup& setup);
 
-  /// Calls use(row, label) once for each point. Components are numbered from 0 by their first point.
+  /// Calls use(row, label) once for each point. The components that get a number (VoteRule::counts()) are numbered from
+  /// 0 in the order of their first points.
   void for_each_point(const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const;
   /// Calls `use` with each component that gets a number and the result of its votes, in the order of first points.
   void for_each_component(

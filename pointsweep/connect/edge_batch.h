@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A batch of edges that some points emit together, reduced to the edges that may belong to a spanning forest.
+/// A batch of edges that some points emit together, reduced to the edges that may belong to a spanning forest, and the
+/// interface of what takes such batches.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +15,8 @@
 namespace pointsweep {
 
 /// A batch of edges, whose points are numbered in the order in which they are added. The largest edge of a cycle is in
-/// no minimum spanning forest of any graph that contains the cycle. So a batch of m points passes on fewer than m
-/// edges, however long the lists of neighbours are.
+/// no minimum spanning forest of any graph that contains the cycle. So after reduce() a batch of m points has fewer
+/// than m edges, however long the lists of neighbours are.
 class EdgeBatch {
  public:
   struct Edge {

@@ -30,11 +30,11 @@ struct AlongAxis {
   }
 };
 
-/// An edge of a forest. Each point of a forest has a sign, + or -, which states, for example, whether `orient` turns
+/// An edge of a forest. Each point of a forest has a sign, + or -, which states, for example, whether `orient` negates
 /// its normal. `weight` and `flips` depend on the two points alone, so that an edge that is added twice counts once.
 struct ForestEdge {
   double weight = 0;   ///< weight of the edge, which is not NaN
-  PointKey a, b;       ///< ends of the edge, with a < b
+  PointKey a, b;       ///< ends of the edge, with a < b; without weights rows alone, in any order
   bool flips = false;  ///< true if a and b should have different signs
 };
 

@@ -92,7 +92,7 @@ struct ComponentLabel {
   const std::byte* result = nullptr;  ///< result of the votes of the component
 };
 
-/// Writes and reads the log. The slot of a supernode identifies it; a later supernode may use the slot again.
+/// Writes and reads the log. A supernode is identified by its slot, which a later supernode may use again.
 class ForestLog {
  public:
   ForestLog(const MakeScratch& make_scratch, std::size_t result_bytes);
@@ -107,9 +107,9 @@ class ForestLog {
   std::uint64_t bytes() const;
   /// Returns the log of components, whose records hold a FinishedComponent and the result of its votes.
   const ScratchRecords& components() const { return components_; }
-  /// Calls use(row, label) for each point; the label is valid during the call. Components come from the last to the
-  /// first. label_of() is called before the points of a component, with the index of the component in components() and
-  /// its record, and returns the label of the component.
+  /// Calls use(row, label) for each point; the label is valid during the call. Calls label_of() for each component,
+  /// from the last to the first and before the points of the component, with its index in components() and its record.
+  /// label_of() returns the label of the component. Points of several components may alternate.
   void for_each_point(const std::function<ComponentLabel(std::uint64_t component, const std::byte* record)>& label_of,
                       const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const;
 

@@ -164,7 +164,8 @@ void SpanningForest::contract() {
   });
 }
 
-/// Frees the slots of supernodes that are now part of other supernodes, or complete.
+/// Moves candidates and open points to the supernodes that hold them after the merges. Logs the complete supernodes.
+/// Frees the slots of the complete and of the merged supernodes.
 void SpanningForest::let_go() {
   for (Candidate& c : candidates_) {
     const Root a = root_of(c.a), b = root_of(c.b);

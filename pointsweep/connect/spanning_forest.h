@@ -8,8 +8,8 @@
 /// property), so that new edges are compared with the candidates alone. All edges of a supernode without open points
 /// are known. The least of its candidates belongs to the final forest (cut property), so that the supernode is merged
 /// with the other end of that candidate; a supernode without candidates is a whole component. The log gets a record of
-/// each merge and each component. The result is that of Kruskal's algorithm on the whole graph, however the edges are
-/// divided and whenever points are closed (docs/adr/0014).
+/// each merge and each component. With weights, the result is that of Kruskal's algorithm on the whole graph, however
+/// the edges are divided and whenever points are closed (docs/adr/0014).
 #pragma once
 
 #include <cstddef>
@@ -67,7 +67,7 @@ class SpanningForest {
   std::size_t open_points() const { return open_.size(); }
   std::size_t supernodes() const { return live_.size(); }
   std::size_t candidates() const { return candidates_.size(); }
-  /// Returns the largest number of supernodes that existed at once.
+  /// Returns the largest number of supernodes in memory at once; a merged supernode stays in memory until close().
   std::size_t slots() const { return supernodes_.size(); }
 
  private:

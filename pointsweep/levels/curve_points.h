@@ -15,7 +15,8 @@
 
 namespace pointsweep {
 
-/// A source of scratches that lie in memory up to a number of bytes in all, then in the temporary folder.
+/// A source of scratches. A scratch lies in memory if its expected bytes fit in what the earlier ones have left of a
+/// number of bytes, else in the temporary folder.
 class ScratchRoom {
  public:
   /// Without `files`, all scratches are in memory.
@@ -47,7 +48,8 @@ class CurvePoints {
   std::uint64_t count() const { return count_; }
   /// Fills `points` with the points from number `first` on. Thread-safe, like all functions below.
   void read(std::uint64_t first, std::span<GridPoint> points) const;
-  /// Returns a box around the points of a block. Block b begins at point b * kBlockRows.
+  /// Returns the box around the places (LevelGrid::place()) of the points of a block. Block b begins at point
+  /// b * kBlockRows.
   Box block_box(std::uint64_t block) const;
 
  private:

@@ -15,8 +15,8 @@
 
 namespace pointsweep {
 
-/// Records that begin with a GridPoint. Records at one place are ordered by their bytes, so that the sequence does not
-/// depend on the order of input.
+/// Records that begin with a GridPoint. Records with the same key are ordered by their bytes, so that the sequence does
+/// not depend on the order of input.
 ///
 /// Pieces of the records are sorted, each by itself. A sample of the records then divides the curve into stretches of
 /// about equal numbers of records. For each stretch, its parts of all pieces are read and sorted; several stretches are
@@ -39,7 +39,8 @@ class CurveRecords {
   void sort(const LevelGrid& grid);
 
   using Use = std::function<void(std::span<const std::byte> records, std::span<const CurveKey> keys)>;
-  /// Calls `use` with all records in order, in batches, with the key of each record. May be called again.
+  /// Calls `use` with all records in order, in batches, with the key of each record. Must be
+  /// called after sort(); may be called again.
   void for_each(const Use& use) const;
 
  private:
@@ -57,7 +58,8 @@ class CurveRecords {
     std::vector<std::byte> records;
     std::vector<CurveKey> keys;
   };
-  /// The end of a stretch: before or after all records that equal `record`, a record of the sample.
+  /// The end of a stretch. It lies before all records that equal `record`, which is a record of the sample, or behind
+  /// them if `is_behind`.
   struct End {
     CurveKey key;
     std::vector<std::byte> record;

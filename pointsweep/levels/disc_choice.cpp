@@ -24,7 +24,7 @@ constexpr double kSlack = 1 + 1e-9;
 constexpr std::uint64_t kAllRanks = std::numeric_limits<std::uint64_t>::max();
 /// Number of points expected below the first limit of ranks, and the factor from one limit to the next.
 constexpr std::uint64_t kFirstCandidates = 64 << 10, kNextLimit = 16;
-/// Largest number of candidates in memory.
+/// When blocks bring more candidates than this, the limit of ranks is lowered.
 constexpr std::size_t kMostCandidates = 256 << 10;
 /// Parts of at most this many places are not halved; each place is tested.
 constexpr std::size_t kFewPlaces = 32;
@@ -170,8 +170,8 @@ class Choice {
     }
   }
 
-  /// Lowers the limit to the rank of a middle candidate, and drops the candidates of higher ranks. All candidates whose
-  /// rank equals the limit stay, since many may lie at one place.
+  /// Lowers the limit to the rank of candidate kMostCandidates / 2 in the order of ranks, and drops the candidates of
+  /// higher ranks. Of candidates at one place, which have the same rank, only the first stays.
   void lower_limit() {
     const auto middle = candidates_.begin() + kMostCandidates / 2;
     std::ranges::nth_element(candidates_, middle, {}, &Candidate::rank);

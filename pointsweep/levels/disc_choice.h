@@ -24,8 +24,8 @@ struct KeptPoint {
   GridPoint point;
 };
 
-/// Kept points in cells as wide as the spacing, so that all points nearer than the spacing to a place lie in the cell
-/// of the place or in the 26 cells around it.
+/// Kept points in cells slightly wider than the spacing, so that all points nearer than the spacing to a place lie in
+/// the cell of the place or in the 26 cells around it.
 class KeptGrid {
  public:
   KeptGrid(double spacing, Vec3 corner);
@@ -55,12 +55,12 @@ class KeptGrid {
 };
 
 /// Takes the points in ascending order of rank_of(), then of the coordinates, then of the number. Adds each point that
-/// no point of `kept` covers (KeptGrid::covers()) to `kept`. Returns the added points in that order; nullopt if there
-/// would be more than `most`.
+/// no point of `kept` covers (KeptGrid::covers()) to `kept`. Returns the added points in that order. Returns
+/// nullopt if they would be more than `most`; then `kept` has the first `most` of them.
 ///
-/// The choice among the points of the lowest ranks is the beginning of the choice among all points. So the points are
-/// read several times, each time with a higher limit for the rank. From the second time on most points are covered, and
-/// one comparison with a kept point skips many of them.
+/// The choice among the points of the lowest ranks is the beginning of the choice among all points. So many
+/// points are read several times, each time with a higher limit for the rank. From the second time on most points are
+/// covered, and one comparison with a kept point skips many of them.
 std::optional<std::vector<KeptPoint>> choose_discs(const CurvePoints& points, NodeRows rows, KeptGrid& kept,
                                                    std::size_t most);
 

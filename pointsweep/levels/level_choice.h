@@ -21,7 +21,7 @@
 
 namespace pointsweep {
 
-/// An octant with more points than this is divided, unless all its points lie at one place.
+/// An octant with more points than this is divided, unless all its points lie in one cell (level_grid.h).
 inline constexpr std::uint64_t kMostLeafPoints = 100'000;
 
 /// An octant that is not divided, and the numbers of its points on the curve.
@@ -32,8 +32,8 @@ struct Leaf {
   std::uint64_t end() const { return first + count; }
 };
 
-/// Returns the leaf that contains the octant; null if the octant is divided or has no points. `leaves`: all leaves in
-/// order.
+/// Returns the leaf that contains the octant. Returns null if no leaf contains the octant, because the octant is
+/// divided or lies in a child without points of a divided octant. `leaves`: all leaves in order.
 const Leaf* leaf_around(std::span<const Leaf> leaves, const Octant& octant);
 
 /// Finds the leaves of the octree in one pass along the Morton curve.
@@ -56,7 +56,7 @@ class LeafFinder {
   std::vector<Leaf> leaves_;
 };
 
-/// The root of the octree keeps at most this many points, unless all points lie at one place.
+/// The root of the octree keeps at most this many points, unless all points lie in one cell.
 inline constexpr std::size_t kMostRootPoints = 100'000;
 
 /// The width of the cube divided by the spacing of the root, unless the root would keep too many points.
@@ -67,11 +67,12 @@ inline constexpr double kDiscsAcrossCube = 128;
 /// the spacing s_d from all points taken before. Nodes whose numbers along x, y and z are even come first, then the
 /// other seven parities. Nodes of one parity are farther apart than s_d, so the threads take them in any order.
 ///
-/// s_0 is the width of the cube / kDiscsAcrossCube, made larger by powers of the square root of 2 until the root keeps
-/// at most kMostRootPoints points, and s_d = s_0 / 2^d.
+/// s_0 is the width of the cube / kDiscsAcrossCube * sqrt(2)^i with the least i = 0, 1, ... for which the root keeps at
+/// most kMostRootPoints points, and s_d = s_0 / 2^d.
 class LevelChoice {
  public:
-  /// `memory_bytes`: memory for the lists of the points that nodes keep. `leaves`: leaves of all `points`.
+  /// `memory_bytes`: memory for sorting the rows of the points that nodes keep; no limit if `room` has no files.
+  /// `leaves`: leaves of all `points`.
   LevelChoice(const CurvePoints& points, std::vector<Leaf> leaves, ScratchRoom& room, std::uint64_t memory_bytes);
 
   /// Chooses the levels. Must be called once, before the functions below.
@@ -85,7 +86,7 @@ class LevelChoice {
     CurveKey key;
     NodeRows rows;
     bool is_done = false;
-    PointLists::List list = {};  ///< points in the node that this and lower depths have taken
+    PointLists::List list = {};  ///< points in the node, or up to 1 unit outside, taken at this and lower depths
   };
   struct Depth {
     int depth;

@@ -126,11 +126,11 @@ inline GridPoint point_of(const std::byte* record) {
   return point;
 }
 
-/// The cube and places in it. The unit of places is the step of the x axis, so that distances are exact if the steps of
-/// all axes are equal and the points are not farther apart than 2^26 steps. If the longest step is more than 2^30 times
-/// the step of x, the longest step is the unit instead. The corner of the cube lies half a step before the least
-/// coordinates, and the width puts the faces of octants of 8 steps or more between the steps, so that readers with
-/// other roundings find each point in the same octant.
+/// The cube and places in it. The unit of places is the step of the x axis, so that squared distances are exact if the
+/// steps of all axes are equal and the points are not farther apart than 2^26 steps. If the longest step is more than
+/// 2^30 times the step of x, the longest step is the unit instead. The corner of the cube lies half a step before the
+/// least coordinates, and the width puts the faces of octants of 8 units or more between the steps of each axis whose
+/// step is the unit, so that readers with other roundings find each point in the same octant.
 class LevelGrid {
  public:
   /// `scale`: the length of a step on each axis, above 0.

@@ -56,7 +56,8 @@ std::size_t PolygonIndex::strip_of(double y) const {
   return strip >= static_cast<double>(strips_ - 1) ? strips_ - 1 : static_cast<std::size_t>(std::max(strip, 0.0));
 }
 
-/// Divides the height into `strips` strips, and returns the sum of the numbers of edges that the strips hold.
+/// Divides the height into `strips` strips, and returns the sum of the numbers of edges that the strips hold. If the
+/// height or the number of strips per unit is not finite, all edges lie in the first strip.
 std::size_t PolygonIndex::entries(std::size_t strips) {
   strips_ = strips;
   const double height = most_.y - least_.y;

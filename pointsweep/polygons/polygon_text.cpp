@@ -17,7 +17,7 @@ char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + '
 bool is_letter(char c) { return upper(c) >= 'A' && upper(c) <= 'Z'; }
 
 /// Makes a Ring of the points of a ring in a file, where the last point repeats the first. Throws Error for fewer than
-/// four points and for a ring that is not closed. `where`: name of the ring in messages.
+/// four points and for a ring that is not closed. `where`: beginning of the messages.
 Ring closed_ring(std::vector<Point2> points, std::string_view where) {
   if (points.size() < 4)
     fail("{}: a ring has {} points; one has at least four, of which the last is the first again.", where,
@@ -30,8 +30,9 @@ Ring closed_ring(std::vector<Point2> points, std::string_view where) {
 }
 
 /// A recursive-descent parser of WKT with this grammar:
-///   text = {["SRID=" digits ";"] geometry}     geometry = ("POLYGON" | "MULTIPOLYGON") ["Z" | "M" | "ZM"] shape
+///   text = {["SRID=" number ";"] geometry}     geometry = ("POLYGON" | "MULTIPOLYGON") ["Z" | "M" | "ZM"] shape
 ///   shape of a polygon = "EMPTY" | "(" ring {"," ring} ")"     ring = "(" point {"," point} ")"
+///   point = number number [number [number]]
 ///   shape of a multipolygon = "EMPTY" | "(" shape of a polygon {"," shape of a polygon} ")"
 class WktParser {
  public:

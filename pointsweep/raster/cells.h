@@ -75,8 +75,8 @@ inline constexpr double kNoCell = std::numeric_limits<double>::infinity();
 /// Successive rows of a raster.
 struct CellRows {
   std::size_t rows = 0;
-  std::vector<double> values;       ///< rows × columns; finite or kNoCell
-  std::vector<std::uint8_t> marks;  ///< rows × columns; 1 if the value does not belong to the ground, else 0
+  std::vector<double> values;       ///< cell (r, c) at r * columns + c; finite or kNoCell
+  std::vector<std::uint8_t> marks;  ///< in the same order; 1 if the value does not belong to the ground, else 0
 };
 
 /// A source of rows from the first to the last.
@@ -94,7 +94,7 @@ class RowStream {
 
 /// Number of rows that LowestRows and FilledRows make at once, except for fewer last rows.
 inline constexpr std::size_t kRowsAtOnce = 16;
-/// Number of columns that a thread takes at once.
+/// Largest number of columns that a thread takes at once.
 inline constexpr std::size_t kColumnsAtOnce = 512;
 
 }  // namespace pointsweep

@@ -23,9 +23,9 @@ struct GroundRule {
   double slope;        ///< steepest slope of the ground, rise over run
   std::size_t radius;  ///< radius of the largest disk, in cells
 
-  /// Returns half of the height of the lowest pit or object, as a length. Filled and opened surfaces stay within the
-  /// range of the minima, apart from rounding. If the range of the minima is smaller than this height, as for a distant
-  /// outlier, the filters change nothing.
+  /// Returns half of the least height by which a cell is marked as a pit or an object. Filled and opened surfaces stay
+  /// within the range of the minima, apart from rounding. If that range is smaller than the returned length, as for a
+  /// distant outlier, no cell is marked.
   double least_height() const { return std::min(slope, kPitSlope) * cell / 2; }
   /// Returns the distance, in cells, of the farthest cells from which a hole is filled. This distance spans the cells
   /// that the largest disk erases, in any direction.
@@ -36,10 +36,10 @@ struct GroundRule {
 };
 
 /// Returns the surface of the ground. 1. The raster of minima is filled. 2. The raster is turned upside down and opened
-/// with a disk of one cell. Cells that lie below this opening by more than 5 * cell are marked as pits. 3. The surface
-/// is opened with disks of 1, 2, ... `radius` cells in turn, each time from the surface opened last. Cells that an
-/// opening lowers by more than slope * (cell * disk) are marked as objects. 4. The raster of minima is filled again,
-/// without the marked cells.
+/// with a disk of radius 1 (in cells). Cells that lie below this opening by more than 5 * cell are marked as pits. 3.
+/// The filled surface is opened with disks of the radii r = 1, 2, ... `radius` in turn, each time from the surface
+/// opened last. Cells that an opening lowers by more than slope * (cell * r) are marked as objects. 4. The raster of
+/// minima is filled again, without the marked cells.
 ///
 /// Filters whose rows do not fit in `memory_bytes` together run one after another, with their surfaces in scratch. The
 /// surface does not depend on `memory_bytes`. `lowest` must outlive the returned stream. Throws the Error of
@@ -55,7 +55,7 @@ std::uint64_t least_ground_bytes(const GroundRule& rule, std::size_t columns);
 /// The few rows of a surface around the row of the current points.
 class SurfaceWindow {
  public:
-  /// Keeps the row of move_to(), and the rows up to `around` before and after it, in memory.
+  /// Keeps at least the row of move_to(), and the rows up to `around` before and after it, in memory.
   SurfaceWindow(std::unique_ptr<RowStream> from, std::size_t around) : from_(std::move(from)), around_(around) {}
   /// Moves the window to a row, which must not be earlier than the row of the last call.
   void move_to(std::uint64_t row);

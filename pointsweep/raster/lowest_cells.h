@@ -26,7 +26,7 @@ class LowestCells {
  public:
   LowestCells(AxisRule rule, std::unique_ptr<Scratch> scratch);
   /// Takes a point of the cell with the numbers `row` and `column`. Points of a cell must follow one another, and rows
-  /// must ascend.
+  /// must not descend.
   void add(double row, double column, double z);
   /// Must be called after the last add().
   void finish();

@@ -15,7 +15,7 @@ struct Side {
   double value = 0;
   std::size_t distance = 0;
 
-  /// Moves on by one cell, to a cell with the value `next`; kNoCell if the cell is not known.
+  /// Moves on past a cell with the value `next`; kNoCell if that cell is not known.
   void pass(double next, std::size_t reach) {
     if (next != kNoCell)
       *this = {next, 1};
@@ -63,7 +63,8 @@ bool FilledRows::next(CellRows& out) {
   return out.rows > 0;
 }
 
-/// Adds the contributions of the columns `first` to `end` to the sums, row by row.
+/// Sets the sums and weights of the cells in the columns `first` to `end` - 1 from the nearest known cells north and
+/// south of each cell.
 void FilledRows::fill_columns(std::size_t rows, std::size_t first, std::size_t end) {
   std::vector<Side> sides(end - first);
   for (std::size_t row = std::min(known_.size() / columns(), rows + reach_); row-- > 0;) {
@@ -130,8 +131,8 @@ void DiskMinima::add(const double* values, std::size_t rows) {
   given_ += rows;
 }
 
-/// Takes the columns `first` to `end` of new rows. Minima over 2w + 1 successive cells of a row come from minima over
-/// 2w - 1 cells. The rows of the disk with the half width w take the minima over 2w + 1 cells.
+/// Takes the columns `first` to `end` - 1 of new rows. Minima over 2w + 1 successive cells of a row come from minima
+/// over 2w - 1 cells. The rows of the disk with the half width w take the minima over 2w + 1 cells.
 void DiskMinima::add_part(const double* values, std::size_t rows, std::size_t first, std::size_t end) {
   const std::size_t radius = disk_.radius(), width = end - first;
   std::vector<double> minima(width + 2 * radius);

@@ -84,7 +84,7 @@ class DiskMinima {
 
   Disk disk_;
   std::size_t columns_, given_ = 0, dropped_ = 0;
-  std::vector<double> minima_;  ///< minima of the rows dropped_ to given_ + radius
+  std::vector<double> minima_;  ///< minima of the rows dropped_ to given_ + radius - 1
 };
 
 enum class Opens : std::uint8_t {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Random numbers that depend on a seed and the index of a point alone, so that points can be made in any order, on any
-/// thread, and more than once.
+/// thread, and more than once; and a periodic function for shapes.
 #pragma once
 
 #include <cmath>
@@ -77,8 +77,8 @@ struct WaveValue {
   double slope;  ///< change of the value per period, in [-6.2, 6.2]
 };
 
-/// Returns 32 u² (1-u)² - 1 and its slope, where u is the fraction of `turns` in [0, 1): a periodic function that looks
-/// like a cosine and is twice continuously differentiable. |turns| must be below 2^50.
+/// Returns 32 u² (1-u)² - 1 and its slope, where u in [0, 1] is the fraction of `turns` + 1/2: a periodic function that
+/// looks like a cosine and is twice continuously differentiable. |turns| must be below 2^50.
 inline WaveValue wave(double turns) {
   const double shift = 0x1.8p52;                       // adding and subtracting it rounds to a whole number
   const double v = turns - ((turns + shift) - shift);  // u - 1/2, in [-1/2, 1/2]

@@ -19,7 +19,7 @@ constexpr double kSlope = 0.07;                                             // s
 constexpr std::array<double, 6> kWavelength{950, 700, 520, 380, 290, 220};  // in metres
 constexpr std::uint64_t kTerrainSeed = 1;
 
-/// A rectangle with walls and a gable roof whose ridge runs along its local u axis.
+/// A rectangle with walls and a gable roof, whose ridge runs along the local u axis, or a flat roof (roof_slope 0).
 struct House {
   Vec2 center, axis;         ///< center on the map, and unit vector along u
   double half_u, half_v;     ///< half the lengths along u and across, in metres
