@@ -130,7 +130,7 @@ int epsg_of(const WktNode& node) {
   return 0;
 }
 
-/// Returns the system that BOUNDCRS[SOURCECRS[...], ...] wraps; `node` itself if it is not a BOUNDCRS.
+/// Returns the system that BOUNDCRS[SOURCECRS[...], ...] wraps; `node` itself if it wraps none.
 const WktNode& unwrapped(const WktNode& node) {
   if (node.keyword != "BOUNDCRS") return node;
   for (const WktNode& child : node.children) {
@@ -179,7 +179,7 @@ struct LengthUnit {
 
 constexpr LengthUnit kLengthUnits[] = {{9001, 1, "m"}, {9002, 0.3048, "ft"}, {9003, 1200.0 / 3937, "US survey ft"}};
 
-/// Returns the unit of this length; null for a number that belongs to no length unit, e.g. the 0.01745 of a degree.
+/// Returns the entry of kLengthUnits with this length; null for all other numbers, e.g. the 0.01745 of a degree.
 const LengthUnit* unit_of_metres(double metres) {
   const auto same = [&](const LengthUnit& unit) { return std::abs(metres - unit.metres) < 1e-9; };
   const auto found = std::ranges::find_if(kLengthUnits, same);

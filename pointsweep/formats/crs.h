@@ -19,11 +19,12 @@ struct WktNode {
   std::vector<WktNode> children;
 };
 
-/// Parses WKT. Returns nothing for a text that is not WKT or has more than 64 nested levels.
+/// Parses WKT. Two nodes with a comma between them, as Esri writes them, become the children of a COMPD_CS. Returns
+/// nothing for a text that is not WKT or has nodes more than 64 levels below the root.
 std::optional<WktNode> parse_wkt(std::string_view text);
 
 /// Returns the text up to its first NUL. Each run of white space outside of quotes becomes one space; white space at
-/// both ends is removed.
+/// both ends is removed. Inside quotes, each white character becomes a space.
 std::string wkt_in_one_line(std::string_view text);
 
 Crs crs_of_geotiff(GeoTiffKeys keys);
@@ -43,12 +44,13 @@ std::optional<Crs> crs_of_both(const std::string& wkt, GeoTiffKeys keys, bool wk
 
 enum class CrsAgreement : std::uint8_t { same, different, undecided };
 
-/// Compares two statements of a system by EPSG codes, kinds, equal texts and equal keys. GeoTIFF projections without a
-/// code are the same if all their numbers are equal, and different if both state a key with different numbers. All
-/// other cases are undecided, including heights that only one of the two statements defines.
+/// Compares two statements of a system by EPSG codes, kinds, equal texts and equal keys. If both have GeoTIFF keys and
+/// one has no code, they are the same if the numbers of all keys are equal, and different if both state a key with
+/// different numbers. All other cases are undecided, including equal codes of which only one has a code of heights.
 CrsAgreement compare(const Crs& a, const Crs& b);
 
-/// Returns the length in metres of the length unit of `crs`; nothing for degrees and unknown units.
+/// Returns the length in metres of the length unit of `crs`; nothing for geographic systems and for units other than
+/// the metre, the foot and the US survey foot.
 std::optional<double> metres_of_unit(const Crs& crs);
 
 }  // namespace pointsweep

@@ -49,7 +49,8 @@ struct Format {
   std::string_view asked_for_as = "";
 
   /// Returns whether a file that begins with `head` (at most 4,096 bytes) is of this format. Null for a format without
-  /// signature, which is tried after all other formats and the foreign formats.
+  /// signature: it is tried after all other formats and the foreign formats, or only if the user names it
+  /// (asked_for_as).
   bool (*is)(std::string_view head) = nullptr;
   /// For a format without signature: returns whether the first lines of a file belong to the format. A folder may
   /// contain other texts. `columns`: as for open_columns; empty if none are stated.

@@ -34,7 +34,8 @@ int exponent_of(double size) {
   return exponent;
 }
 
-/// Returns the multiple of a power of ten nearest to `value`; the power is at most an eighth of `size`.
+/// Returns the multiple of a power of ten nearest to `value`; the power is the largest that is at most an eighth of
+/// `size`.
 double round_number(double value, double size) {
   const int exponent = exponent_of(size / 8);
   return exponent >= 0 ? std::nearbyint(value / power_of_ten(exponent)) * power_of_ten(exponent)

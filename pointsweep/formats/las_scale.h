@@ -18,8 +18,8 @@ struct PositionFields;
 /// The largest coordinate, in steps of the scale from the offset.
 inline constexpr double kMostLasSteps = 2147483647;
 
-/// The distance of a chosen offset from 0, or from a given offset, is a multiple of this many steps, so that the offset
-/// has few digits.
+/// An offset that is chosen for a given scale lies a multiple of this many steps from 0 or from a given offset, so that
+/// it has few digits.
 inline constexpr double kRoundSteps = 1000;
 
 /// The grid of integer coordinates: a coordinate is integer * scale + offset.
@@ -33,14 +33,15 @@ LasQuantization grid_of(const PositionFields& fields);
 /// Returns whether LAS can store `value` on this grid to within half a step.
 bool las_grid_reaches(double value, double scale, double offset);
 
-/// Returns whether `value` is a whole number of steps of this grid, to within a few units in the last place of a
-/// double.
+/// Returns whether `value` lies a whole number of steps, at most kMostLasSteps, from `offset`, to within a few units in
+/// the last place of `value` and `offset`.
 bool is_on_las_grid(double value, double scale, double offset);
 
 /// Returns scale and offset of each axis for coordinates inside `bounds`. The scale is the smallest power of ten whose
 /// steps reach both ends from the offset in 31 bits, but no finer than the spacing of doubles at the largest coordinate
-/// and than 1e-12 of half the longest extent; the offset is a round number near the middle. An axis of extent E loses
-/// at most 1.3e-9 E (1.3 mm on 1,000 km), which is less than the steps of float32 coordinates of magnitude E.
+/// and than 1e-12 of half the longest extent (1e-9 for a single point); the offset is a round number near the middle,
+/// or the lower end of an axis that is flat at this scale. An axis of extent E whose scale the 31 bits decide loses at
+/// most 1.3e-9 E (1.3 mm on 1,000 km), which is less than the steps of float32 coordinates of magnitude E.
 LasQuantization las_quantization(const Box& bounds);
 
 /// Returns `grid` with its offsets moved by whole steps where 32 bits do not reach `bounds`. An axis that is too long
@@ -71,8 +72,9 @@ struct LasOrigin {
 };
 
 /// Returns the common origin of the inputs that are LAS or were made from LAS: the finest scale of each axis with the
-/// offset of the first input that has it, and the kind of time of the first input with a time. A warning names an input
-/// with the other kind of time. Returns none if no input is LAS or was made from LAS.
+/// offset of the first input that has it, and the kind of time of the first input with a time. Class 12 means overlap
+/// if it does in all of these inputs. A warning names an input with the other kind of time. Returns none if no input is
+/// LAS or was made from LAS.
 std::optional<LasOrigin> common_las_origin(const std::vector<std::shared_ptr<Reader>>& readers,
                                            std::vector<std::string>& warnings);
 

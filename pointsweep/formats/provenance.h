@@ -43,7 +43,8 @@ struct ProvenanceRecord {
 };
 
 /// Returns lines of printable ASCII, each under 1,000 bytes: a longer stage or setting continues in lines that begin
-/// with "pointsweep + ". Other bytes are written as %XX.
+/// with "pointsweep + ". Other bytes, '%', and spaces at either end or after a space are written as %XX. An input whose
+/// line would be longer loses its folders.
 std::vector<std::string> lines_of(const ProvenanceRecord& record);
 /// Parses lines, each of which begins with kProvenanceMark, into records, oldest first. A line "NAME VALUE" of an
 /// unknown kind becomes a setting.
@@ -51,14 +52,14 @@ std::vector<ProvenanceRecord> records_of(std::span<const std::string> lines);
 /// Returns a line such as "pointsweep 0.1.0: knn(k=12) | normals; order sweep; from scan.ply", in printable ASCII.
 std::string to_text(const ProvenanceRecord& record);
 
-/// Appends the records of `more` that `lines` does not have yet. Leaves out records beyond a total of 256 KiB, so that
-/// headers stay readable, and appends one line that says so.
+/// Appends the records of `more` that `lines` does not have yet. The first record that would exceed a total of 256 KiB
+/// and all later records are left out, so that headers stay readable; one more line then says so.
 void add_provenance(std::vector<std::string>& lines, std::span<const std::string> more);
 /// Returns the rest of `all` after `present`, if `all` begins with `present`; returns `all` otherwise.
 std::span<const std::string> provenance_beyond(std::span<const std::string> all, std::span<const std::string> present);
 
-/// Returns the line without surrounding spaces and line ends if it begins with kProvenanceMark, is printable and
-/// has at most 60,000 bytes; otherwise nothing.
+/// Returns the line without surrounding white space if it then begins with kProvenanceMark, is printable and has at
+/// most 60,000 bytes; otherwise nothing.
 std::optional<std::string> provenance_line(std::string_view text);
 /// Returns the lines of provenance among the lines of a text.
 std::vector<std::string> provenance_in(std::string_view text);

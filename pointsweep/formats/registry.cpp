@@ -97,7 +97,7 @@ const Format* format_asked_for(std::string_view name) {
 constexpr std::string_view kColumnsStated = "text:";
 
 /// Returns the columns that a word such as "text:x,y,z" states; empty for a word that states none. Throws UsageError
-/// unless the columns include x, y and z, and no name twice.
+/// unless the columns include x, y and z, and no name twice, or if a name is empty or has a space.
 std::vector<std::string> stated_columns(std::string_view name) {
   if (!name.starts_with(kColumnsStated)) return {};
   name.remove_prefix(kColumnsStated.size());
@@ -127,7 +127,7 @@ bool names_format(const std::filesystem::path& path) {
   });
 }
 
-/// Returns the first bytes of a file, which are enough to recognise its format.
+/// Returns the first 4,096 bytes of a file, which are enough to recognise its format.
 std::string head_of(const InputFile& file) {
   std::string head(4096, '\0');
   head.resize(file.read_some(0, std::as_writable_bytes(std::span(head))));

@@ -33,8 +33,8 @@ std::optional<std::int64_t> factor_between(double coarse, double scale) {
   return static_cast<std::int64_t>(factor);
 }
 
-/// Returns the number of steps from `offset` to the offset of `input`; nothing if the number is not whole, or if the
-/// coordinates would not fit in 32 bits on the grid of `scale` and `offset`.
+/// Returns the number of steps from `offset` to the offset of `input`; nothing if the number is not whole or not below
+/// kMostSteps, or if coordinates within the bounds would not fit in 32 bits on the grid of `scale` and `offset`.
 std::optional<std::int64_t> steps_between(const AxisOfInput& input, double scale, double offset) {
   if (input.field.scale == scale && input.field.bias == offset) return 0;
   const double distance = (input.field.bias - offset) / scale, steps = std::nearbyint(distance);

@@ -162,7 +162,8 @@ bool has_field(const Schema& schema, const std::string& name) {
   return std::ranges::any_of(schema.fields, [&](const Field& field) { return field.name == name; });
 }
 
-/// Returns whether `name` is a flag for which point formats 0 to 5 of LAS have no bits. Their points have the flag 0.
+/// Returns whether `name` is a field for which point formats 0 to 5 of LAS have no bits. No warning names it: it is 0
+/// for their points, except that MissingFields sets `overlap` for points of class 12.
 bool is_flag_of_las14(std::string_view name) { return name == "overlap" || name == "scanner_channel"; }
 
 /// Returns whether `field` is one of the two return numbers and the input has neither. MissingFields sets both to 1.

@@ -40,8 +40,9 @@ struct CommonGrid {
 /// Returns the grid of the finest scale on which every coordinate of every input lies, if there is one. Its conditions:
 /// all x, y and z are scaled int32, each scale is a whole multiple of the finest, offsets differ by whole steps of the
 /// finest scale, and the bounds in the headers stay within 32 bits. The offset of each axis is the first offset of an
-/// input from which 32 bits reach all bounds. If there is no such offset, the offset lies in the middle of all bounds,
-/// whole steps away from the offset of the first input.
+/// input from which 32 bits reach all bounds. If no input has one, the offset lies near the middle of all bounds, a
+/// multiple of kRoundSteps steps from the offset of the first input; if 32 bits do not reach all bounds from there,
+/// there is no grid.
 std::optional<CommonGrid> common_grid(const std::vector<std::shared_ptr<Reader>>& readers);
 
 /// The values other than 0 of fields that an input lacks and other inputs have. Points without return numbers are
@@ -115,7 +116,7 @@ struct CommonCrs {
                                       ///< come from another input
   std::vector<std::string> warnings;  ///< about inputs without a system, and systems that could not be compared or
                                       ///< differ
-  bool replaces = false;              ///< true if an input states another system, which is ignored
+  bool replaces = false;              ///< true if an input states a system that is not known to be `crs`
 };
 
 /// Returns the system of the inputs. Throws UsageError for inputs with different systems. With `ignore` there is a

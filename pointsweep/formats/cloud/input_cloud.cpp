@@ -350,7 +350,8 @@ void InputCloud::require_unchanged(std::size_t input) const {
 }
 
 /// Returns `rows`, the number of records that input `input` has read into `records` from its row `row` on. Throws Error
-/// if an integer of a `wanted` field cannot be held exactly by the type of the field in the cloud.
+/// if the type of a `wanted` field in the cloud cannot hold one of its integers exactly, unless
+/// with_unused_attributes() made the cloud.
 std::size_t InputCloud::checked(std::size_t input, std::uint64_t row, std::span<const std::byte> records,
                                 const WantedFields& wanted, std::size_t rows) const {
   if (attributes_are_unused_) return rows;

@@ -81,22 +81,24 @@ class InputCloud {
   std::uint64_t chunk_end(std::uint64_t row) const;
 
   /// Returns the number of the input that has row `row`, and the number of the row in that input, counting dropped
-  /// rows. Not thread-safe.
+  /// rows. `row` counts rows that selection() leaves out. Not thread-safe.
   std::pair<std::size_t, std::uint64_t> place_of_row(std::uint64_t row);
   /// Returns, for each input, the number of rows of the cloud in the inputs before it, and as the last element the
   /// number of rows of the cloud. Rows that selection() leaves out do not count.
   std::vector<std::uint64_t> first_rows() const;
-  /// Returns the number of row `row` among the rows of all inputs, counting dropped rows. Not thread-safe.
+  /// Returns the number of row `row` among the rows of all inputs, counting dropped rows. `row` counts rows that
+  /// selection() leaves out. Not thread-safe.
   std::uint64_t input_row(std::uint64_t row);
 
   /// Returns the selection; null if no rows are selected.
   const std::shared_ptr<const RowSelection>& selection() const { return selection_; }
 
-  /// Returns the cloud of the chosen chunks, as if the inputs had no others. Inputs without decoders keep all chunks;
-  /// the first chunk is kept if no point would be left.
+  /// Returns the cloud of the chosen chunks, as if the inputs had no others. Inputs without decoders, and inputs whose
+  /// rows may be split anywhere, keep all rows; the first chunk is kept if no point would be left.
   InputCloud with_chunks(const std::function<bool(const Chunk&)>& is_chosen) const;
   /// Returns the cloud whose records have one more field at the end: the number of the row in the inputs (input_row.h),
-  /// which counts rows that are dropped later. The first row has the number `first`.
+  /// which counts rows that are dropped later. The first row has the number `first`. A cloud with this field stays as
+  /// it is.
   InputCloud numbered(std::uint64_t first = 0) const;
   /// Returns the cloud without the rows with NaN or infinite coordinates, and the dropped rows, numbered as in this
   /// cloud. NonfiniteRows::bounds is empty if an input with points was not read. Reads every input that can have such

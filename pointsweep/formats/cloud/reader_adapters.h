@@ -67,7 +67,8 @@ class FiniteRows final : public Reader {
   FiniteRows(std::shared_ptr<Reader> all, FiniteRowIndex index);
   ~FiniteRows() override;
 
-  /// Returns the finite rows of the blocks of 4,096 rows that begin in one chunk of `all`.
+  /// Returns the finite rows of the blocks of 4,096 rows that begin in one chunk of `all`, or all finite rows if rows
+  /// of `all` may be split anywhere.
   Chunk chunk_of(std::uint64_t row) const override;
   bool has_decoders() const override { return all_->has_decoders(); }
   bool decodes_any_range() const override { return all_->decodes_any_range(); }

@@ -13,8 +13,8 @@
 
 namespace pointsweep {
 
-/// Reads lines that end with LF or CRLF; the last line may lack its end. A line of more than 1 MiB is an Error, so that
-/// a file without line ends is not read into memory.
+/// Reads lines that end with LF or CRLF; the last line may lack its end. A line of more than about 1 MiB is an Error,
+/// so that a file without line ends is not read into memory.
 class LineReader {
  public:
   explicit LineReader(const InputFile& file) : file_(&file) {}
@@ -80,7 +80,7 @@ class RowCursor {
   explicit RowCursor(const RowLines& rows) : rows_(&rows), lines_(rows.file()), next_row_(rows.count()) {}
 
   /// Returns the line of row `row` < count(), valid until the next call. Fast for the row after the row returned last.
-  /// Throws if the file has changed.
+  /// Throws Error if the file has fewer rows than when it was opened.
   std::string_view at(std::uint64_t row);
   /// Frees the buffer until the next call of at().
   void rest() { *this = RowCursor(*rows_); }
@@ -93,7 +93,7 @@ class RowCursor {
 
   const RowLines* rows_;
   LineReader lines_;
-  std::uint64_t next_row_;  ///< row in the next line; count() if it is unknown, so that at() searches from a place
+  std::uint64_t next_row_;  ///< row that advance() returns next; count() if unknown, so that at() searches from a place
 };
 
 }  // namespace pointsweep

@@ -141,7 +141,7 @@ class Hierarchy {
   const LazPoints& points_;
   CopcChunks nodes_;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> pages_;  ///< pages to be read: offset, bytes
-  std::set<std::uint64_t> seen_;                                ///< offsets of all pages found
+  std::set<std::uint64_t> seen_;                                ///< offsets of all pages read
   std::uint64_t read_ = 0;                                      ///< bytes of pages read
   std::string why_not_;
 };

@@ -61,7 +61,7 @@ struct CopcChunks {
 
 /// Returns the nodes that the hierarchy assigns to the chunks of `points`; none if the hierarchy contradicts itself,
 /// the chunk table or the file. In this case `why_not` states the reason as the end of a sentence. `info`: the byte
-/// where the content of the info VLR begins. Reads at most as many bytes as the file has.
+/// where the content of the info VLR begins. The pages that it reads have together at most as many bytes as the file.
 CopcChunks read_copc_nodes(const InputFile& file, std::uint64_t info, const LazPoints& points, std::string& why_not);
 
 /// Returns the layout with a point format that COPC allows: the stated point format, else 8 if there are colours and
@@ -74,9 +74,9 @@ struct TimeRange {
   double least = 0, greatest = 0;
 };
 
-/// Collects the points of nodes. One node of each depth is open, that is, may get more points, since the points of a
-/// node are consecutive on the Morton curve. The points of a node are compressed in the order of their GPS times,
-/// points of equal time in the order of the curve. The threads compress several nodes at once.
+/// Collects the points of nodes. Points come in the order of the Morton curve, so that at most one node of each depth
+/// is open, that is, may get more points. The points of a node are compressed in the order of their GPS times, points
+/// of equal time in the order of the curve. The threads compress several nodes at once.
 class CopcNodes {
  public:
   /// `memory_bytes`: memory for the points of complete nodes that wait to be compressed. `most_node_bytes`: largest

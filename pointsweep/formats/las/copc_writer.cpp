@@ -20,7 +20,7 @@ namespace {
 /// Number of rows that are encoded at once.
 constexpr std::size_t kBatchOfRows = 64 << 10;
 
-/// The least memory for nodes that wait to be compressed.
+/// The least memory of a writer beyond least_level_bytes().
 constexpr std::uint64_t kLeastNodeBytes = 16 << 20;
 /// Memory beyond the minimum with which files of up to 3 GB are written faster; larger files use more.
 constexpr std::uint64_t kUsefulBytes = 96 << 20;
@@ -130,9 +130,9 @@ std::uint64_t copc_encoder_bytes(std::uint64_t, unsigned threads) {
   return kLeastNodeBytes + least_level_bytes(threads);
 }
 
-// The scratch holds the record and the grid point of each point; two more grid points and a number for each point that
-// is kept at a depth before the last (at most a third of all points); and the compressed chunks, counted as half of the
-// records.
+// If records are put aside, the scratch holds the record and the grid point of each point; two more grid points and a
+// number for each point that is kept at a depth before the last (at most a third of all points); and the compressed
+// chunks, counted as half of the records.
 std::uint64_t copc_aside_bytes(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
                                unsigned threads) {
   constexpr std::uint64_t kPlace = sizeof(GridPoint);

@@ -64,8 +64,8 @@ void append_descriptor(const Descriptor& d, std::vector<std::byte>& all) {
   all.insert(all.end(), bytes, bytes + sizeof d);
 }
 
-/// Returns the name up to its first NUL, without surrounding blanks. Control characters are replaced, since they would
-/// break the headers of other formats.
+/// Returns the name up to its first NUL, without surrounding blanks. Control characters become '_', since they would
+/// break the headers of other formats; an empty name becomes "extra_bytes".
 std::string name_of(const Descriptor& d) {
   std::string name(d.name, std::find(d.name, d.name + kLasNameBytes, '\0'));
   const auto first = name.find_first_not_of(' ');
@@ -94,7 +94,7 @@ std::string_view cut_to(std::string_view name, std::size_t most) {
   return name.substr(0, end);
 }
 
-/// Shortens `text` to at most `most` bytes, at a separator or after a whole word.
+/// Shortens `text` to at most `most` bytes, before its first separator or after a whole word, if there is one there.
 std::string shortened(std::string_view text, std::size_t most) {
   if (text.size() <= most) return std::string(text);
   const std::size_t clause = text.find_first_of(";,");

@@ -53,9 +53,11 @@ class ExtraBytesVlr {
 
   /// Adds a descriptor of `field`. The descriptor gets the usual name in LAS (NormalX for nx, ...) or the name of the
   /// field, cut to 32 bytes. An older attribute of this name is renamed to `<name>_input`; both stay in the file. A
-  /// field of several values becomes `name[0]`, `name[1]`, ... `description` (at most 32 bytes) states its meaning.
+  /// field of several values becomes `name[0]`, `name[1]`, ... `description` (at most 32 bytes) states its meaning,
+  /// unless LAS outputs have a fixed description for an attribute of this name.
   void append(const Field& field, std::string_view description = {});
-  /// Adds a copy of `descriptor`, which an input has for a field of one value. The copy states no range of values.
+  /// Adds a copy of `descriptor`, which an input has for a field of one value. The copy states no range of values. An
+  /// older attribute of its name is renamed as by append().
   void append_again(std::span<const std::byte> descriptor);
   /// Adds descriptors of type 0, each for at most 255 bytes: `count` bytes without a known meaning.
   void append_undocumented(std::uint32_t count);

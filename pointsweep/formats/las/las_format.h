@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Writers of LAS, LAZ and COPC. Outputs keep the parts of a LAS input; other inputs become LAS 1.4 (see las_layout.h).
-/// The functions las_values() and copc_values() collect facts about all values of a cloud before the first point is
-/// stored.
+/// Writers of LAS, LAZ and COPC. Outputs keep the parts of a LAS input for which they have a place; other inputs become
+/// LAS 1.4 unless the user states another version (see las_layout.h). The functions las_values() and copc_values()
+/// collect facts about all values of a cloud before the first point is stored.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,8 @@ bool las_values_need_points(const InputCloud& cloud, const FileLayout& layout);
 StoredCoordinate las_stored_coordinate(const OutputPlan& plan);
 
 /// Creates a writer. Throws Error, before anything is written, if the points cannot be stored as LAS. Without a LAS
-/// input, plan.bounds is required unless the coordinates are integers that 32 signed bits hold.
+/// input, plan.bounds is required unless the coordinates are integers that 32 signed bits hold, a grid is stated, or
+/// there are no points.
 std::unique_ptr<Writer> create_las_writer(const OutputPlan& plan);
 
 /// Creates a writer like create_las_writer(), which writes the points in compressed chunks and takes records only in
@@ -36,7 +37,7 @@ std::unique_ptr<Writer> create_las_writer(const OutputPlan& plan);
 std::unique_ptr<Writer> create_laz_writer(const OutputPlan& plan);
 
 /// Creates a writer of COPC, that is, LAZ with levels of detail. It keeps all points in memory or in files of
-/// OutputPlan::scratch, and writes the file after the last point (levels/level_choice.h).
+/// OutputPlan::scratch, and writes them after the last one has come (levels/level_choice.h).
 std::unique_ptr<Writer> create_copc_writer(const OutputPlan& plan);
 StoredCoordinate copc_stored_coordinate(const OutputPlan& plan);
 KnownValues copc_values(InputCloud& cloud, const FileLayout& layout,

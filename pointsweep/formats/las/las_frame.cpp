@@ -28,8 +28,9 @@ constexpr std::byte kOnlyLegacyReturn{0x09}, kOnlyReturn{0x11};
 constexpr std::size_t kFlagsAt = 15, kClassAt = 16;
 constexpr std::byte kOverlapFlag{0x08}, kOverlapClass{12};
 
-/// Returns whether a coordinate is farther from the grid than rounding errors of float64 explain: farther than a
-/// thousandth of a step or 1e-9 of the coordinate, whichever is smaller.
+/// Returns whether a coordinate is farther from the grid than rounding errors of float64 explain: farther than the
+/// tolerance of is_on_las_grid(), and than a thousandth of a step or 1e-9 of the coordinate (1e-9 if it is below 1),
+/// whichever of these two is smaller.
 bool is_beside_grid(double value, double scale, double offset) {
   const double steps = (value - offset) / scale;
   const double distance = std::abs(steps - std::nearbyint(steps)) * scale;

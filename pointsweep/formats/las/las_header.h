@@ -51,8 +51,9 @@ std::uint16_t standard_header_size(int minor);
 
 /// Parses `bytes`, the first bytes of a file of `file_size` bytes (standard_header_size(4) bytes, or the whole file if
 /// it is shorter). Throws Error naming `path` if an entry contradicts itself or the file's size, or has a value that
-/// the library does not support. `header.bytes` stays empty, since the header may be longer than `bytes`. The presence
-/// of the points of a compressed file is not checked.
+/// the library does not support. `header.bytes` stays empty, since the header may be longer than `bytes`. Counts that
+/// contradict each other are no error but add to `warnings`. The presence of the points of a compressed file is not
+/// checked.
 LasHeader parse_las_header(std::span<const std::byte> bytes, std::uint64_t file_size, std::string_view path,
                            std::vector<std::string>& warnings);
 
@@ -64,7 +65,7 @@ std::uint64_t point_count(const LasHeader& header);
 LasHeader new_las_header();
 
 /// Turns an older header into a header of LAS 1.`minor`, in LAS 1.4 with room for 64-bit counts. A newer header stays
-/// unchanged. User bytes after the header stay after it.
+/// unchanged. User bytes after the header stay after it. The global encoding, which LAS 1.0 and 1.1 reserve, becomes 0.
 void upgrade_las_header(LasHeader& header, int minor);
 
 /// Turns a header of any version into a header of LAS 1.`minor`. Clears the bits of the global encoding that an older

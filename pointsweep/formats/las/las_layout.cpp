@@ -128,7 +128,8 @@ class Builder {
     extended_ = true;
   }
 
-  /// Returns the descriptor of the attribute in one of the inputs; none for made attributes.
+  /// Returns the descriptor of the attribute in one of the inputs; none for made attributes, and none if the records
+  /// are kept, where the VLR has the descriptors of the input already.
   std::optional<std::span<const std::byte>> descriptor_of(const Field& field) const {
     if (kept_ || is_made(field.name)) return std::nullopt;
     if (input_ != nullptr)
@@ -327,14 +328,15 @@ class Builder {
     set_las_version(header, minor);
   }
 
-  /// Returns a scale at which 32 bits reach all points, from the stated offset if there is one.
+  /// Returns scales of the axes at which 32 bits reach all points, from the stated offset if there is one.
   Vec3 fitting_scale(const Box& bounds) const {
     const std::optional<Anchor>& offset = plan_.layout.offset;
     return offset && offset->at ? las_scale_from(*offset->at, bounds) : las_quantization(bounds).scale;
   }
 
   /// Sets the grid that the user states. If the user states only a scale or only an offset, `own`, the grid of the
-  /// incoming coordinates, completes the statement; none if they have no grid.
+  /// incoming coordinates, completes the statement; if they have no grid, the bounds do. An offset that is not stated
+  /// moves where 32 bits do not reach the bounds.
   void take_stated_grid(const std::optional<LasQuantization>& own) {
     const auto& [scale, offset, format, version, decimals] = plan_.layout;
     LasQuantization grid = own.value_or(LasQuantization{{1, 1, 1}, {}});

@@ -40,8 +40,8 @@ inline std::uint8_t las_return_mask(int point_format) { return point_format >= 6
 /// Returns whether some point format has a field of the name, other than x, y and z.
 bool is_las_name(const std::string& name);
 
-/// Returns the names of the fields of `schema` that point formats have, without x, y and z. Colours count only if red,
-/// green and blue are all there, and waveform packets only with all of their fields.
+/// Returns the names of the fields of one value in `schema` that point formats have, without x, y and z. Colours count
+/// only if red, green and blue are all there, and waveform packets only with all of their fields.
 std::vector<std::string> las_names_in(const Schema& schema);
 
 /// Returns whether `target`, a field of a point format, holds every value of `source` in `range` exactly. A scan angle

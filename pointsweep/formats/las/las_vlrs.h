@@ -49,7 +49,7 @@ struct LasVlrChain {
   std::optional<LasVlr> laszip, copc, copc_hierarchy;           ///< the first record of each kind
   std::optional<LasVlr> wkt, geo_keys, geo_doubles, geo_ascii;  ///< the first record of each kind; see read_las_crs()
   std::vector<LasVlr> provenance;                               ///< the first 256 records
-  std::vector<LasVlr> projection;                               ///< the first 256 records that state a system
+  std::vector<LasVlr> projection;                               ///< the first 256 records of LASF_Projection
 };
 
 enum class LasVlrKind { vlr, evlr };
@@ -59,9 +59,10 @@ enum class LasVlrKind { vlr, evlr };
 LasVlrChain walk_las_vlrs(const InputFile& file, LasVlrKind kind, std::uint64_t start, std::uint64_t limit,
                           std::uint32_t promised, std::vector<std::string>& warnings);
 
-/// Returns the system that the VLRs, or else the extended VLRs, state; none if they state no system. WKT is the valid
-/// statement if the header sets the WKT bit, the point format is 6 or higher, or there are no GeoTIFF keys; the other
-/// statement is kept too. Records over 1 MiB are not read.
+/// Returns the system that the VLRs and the extended VLRs state, each record of a kind from the VLRs if they have one;
+/// none if they state no system. If there are both WKT and GeoTIFF keys, the WKT is valid if the header sets the WKT
+/// bit or the point format is 6 or higher, else the keys; the other statement is kept too. Records over 1 MiB are not
+/// read.
 std::optional<Crs> read_las_crs(const InputFile& file, const LasHeader& header, const LasVlrChain& vlrs,
                                 const LasVlrChain& evlrs);
 

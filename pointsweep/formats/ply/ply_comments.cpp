@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Comments of PLY headers with facts for which PLY has no other place, so that LAS -> PLY -> LAS loses nothing.
+/// Comments of PLY headers with facts for which PLY has no other place, so that LAS -> PLY -> LAS keeps the coordinate
+/// reference system, the grid of the coordinates and the kind of GPS times.
 ///
 ///     comment crs PROJCS["NAD83 / UTM zone 10N",...    the WKT; longer than 900 bytes, it continues in the next `crs`
 ///     comment crs_geotiff_keys 1 1 0 3 1024 0 1 1 ...  GeoKeyDirectoryTag

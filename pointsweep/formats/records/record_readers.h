@@ -57,9 +57,9 @@ class ColumnsReader : public Reader {
 
 /// Appends an array with `components` values per point to `schema`, for files that name arrays but not their components
 /// (VTK, NPZ). Returns the index of its first field. Three values called xyz, points, position(s), vertices or
-/// coordinates become x, y, z; three floats called normal(s) nx, ny, nz; three or four bytes called color(s),
-/// colour(s), rgb or rgba red, green, blue (and alpha). Any other array becomes one field with all components under its
-/// own name. Repeated names get _2, _3, ...
+/// coordinates become x, y, z; three floats called normal(s) nx, ny, nz; three or four unsigned bytes called color(s),
+/// colour(s), rgb or rgba red, green, blue (and alpha). Any other array, and one of these if `schema` has one of the
+/// names, becomes one field with all components under its own name; a repeated name gets _2, _3, ... added.
 std::size_t append_array(Schema& schema, const std::string& name, Type type, std::uint32_t components);
 
 /// Converts lines to records. All fields are parsed, even if only some are wanted, so that an invalid value ends a run

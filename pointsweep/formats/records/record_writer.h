@@ -32,12 +32,12 @@ class RecordWriter : public Writer {
   void finish() override;
 
  protected:
-  /// Checks a block of input records, whose first row is `row`, before the block is stored. May throw.
+  /// Checks the records of one call of write_at(), as they come and before any of them is stored. May throw.
   virtual void check(std::uint64_t row, std::span<const std::byte> records) { (void)row, (void)records; }
   const OutputPlan& plan() const { return plan_; }
 
  private:
-  void write_header();  ///< called before the first records, not earlier: standard output stays empty if a check fails
+  void write_header();  ///< called after the first check(), so that standard output stays empty if it fails
 
   OutputPlan plan_;
   OutputFile file_;

@@ -13,7 +13,8 @@
 
 namespace pointsweep {
 
-/// Passes records to several writers in the background. If a writer fails, the next call throws its error.
+/// Passes records to several writers in the background. If a writer fails, the next call of write(), wait() or finish()
+/// throws its error.
 class WriteBehind {
  public:
   void add(std::unique_ptr<Writer> writer) { writers_.push_back(std::move(writer)); }
