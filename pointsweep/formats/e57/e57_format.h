@@ -131,8 +131,8 @@ struct E57Column {
 /// Returns the columns for records of `schema`, the coordinates first, without `invalid_state`.
 std::vector<E57Column> e57_columns(const Schema& schema);
 
-/// Returns `name` with '_' instead of all characters except letters, digits, '-' and '_'. A name of the standard, or
-/// one that XML does not allow, gets an '_' in front.
+/// Returns `name` with '_' instead of all characters except letters, digits, '-' and '_'. A name in kE57Names, or one
+/// that XML does not allow, gets an '_' in front.
 std::string e57_name(const std::string& name);
 
 /// Opens a file. Coordinates are float64, Cartesian or converted from spherical coordinates, with the pose of the scan

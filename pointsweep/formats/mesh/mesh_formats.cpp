@@ -54,9 +54,9 @@ class VertexLineReader : public Reader {
 
   const InputFile& file() const { return *file_; }
   std::string_view first_line() { return cursor_.at(0); }  ///< must be called only if there is a row
-  /// Returns the numbers in a line, after its keyword; valid until the next call.
+  /// Returns the numbers in a line, after its keyword and before a comment; valid until the next call.
   const std::vector<double>& numbers(std::string_view line);
-  /// Makes the fields. Reads all colours to find their range.
+  /// Makes the fields. Reads colours until one is larger than 1, to find their range.
   void set_columns(const VertexColumns& columns);
   std::uint64_t rows() const { return rows_.count(); }
 
@@ -120,8 +120,8 @@ std::size_t VertexLineReader::read(std::uint64_t row, std::span<std::byte> recor
   return rows;
 }
 
-/// Lines have x y z, then the normal, the colour and the texture coordinates, if the file has them. Records have the
-/// colour last.
+/// Lines have x y z, then the normal, the colour and the texture coordinates, if the file has them. In a record, the
+/// colour stands after these.
 void VertexLineReader::fill(std::uint64_t row, std::size_t rows, std::byte* records, std::size_t stride) {
   const std::size_t lengths = 3 + (columns_.normal ? 3 : 0);
   for (std::size_t i = 0; i < rows; ++i, records += stride) {
@@ -224,9 +224,9 @@ class OffReader final : public VertexLineReader {
 /// Returns whether a file begins with OFF, or with ST, C and N (texture coordinates, colours, normals) before OFF.
 bool starts_as_off(std::string_view head) { return take_keyword(head).has_value(); }
 
-/// Opens an OFF file. Reads normals of NOFF, colours of COFF, and colours after the coordinates of a plain OFF; ignores
-/// faces with a warning. Throws Error for a binary file, a file of four dimensions, and a file with fewer vertices than
-/// its header states.
+/// Opens an OFF file. Reads normals of NOFF, texture coordinates of STOFF, and colours, with or without C in the
+/// keyword; ignores faces with a warning. Throws Error for a binary file, a file of four dimensions, and a file with
+/// fewer vertices than its header states.
 std::unique_ptr<Reader> open_off(const std::filesystem::path& path) {
   auto file = std::make_unique<InputFile>(path);
   LineReader lines(*file);
@@ -318,8 +318,8 @@ bool starts_as_obj(std::string_view head) {
 }
 
 /// Opens an OBJ file: lines "v x y z", followed by a weight, which is ignored, or a colour. Normals ("vn") are read if
-/// there are as many as vertices; the n-th normal belongs to the n-th vertex. Other normals, which only faces assign
-/// to vertices, are left out with a warning, like faces and other elements.
+/// there are as many as vertices; the n-th normal belongs to the n-th vertex. Other normals, which only faces assign to
+/// vertices, are left out with a warning, and so are faces. Other elements are ignored.
 std::unique_ptr<Reader> open_obj(const std::filesystem::path& path) {
   auto file = std::make_unique<InputFile>(path);
   const LineReader lines(*file);

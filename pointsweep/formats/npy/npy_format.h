@@ -46,10 +46,10 @@ std::unique_ptr<Writer> create_npy_writer(const OutputPlan& plan);
 
 /// Opens an array of n rows and three columns or more (x, y, z, then the names of default_column_names()), in C or
 /// Fortran order, or of a structured type with fields x, y, z (or xyz, ... of three values), in either byte order;
-/// values keep their type. Arrays with more axes, such as organised clouds, are flattened, with a warning. In an
-/// archive the positions are the member xyz, points, position(s), vertices or coordinates, or members x, y and z, or
-/// the only member that can hold positions. Members with as many rows as the positions become attributes under their
-/// names; others are left out with a warning. Throws Error for other files.
+/// values keep their type. Arrays of more axes in C order, such as organised clouds, are flattened, with a warning. In
+/// an archive the positions are the members x, y and z, or else the member xyz, points, position(s), vertices or
+/// coordinates, or else the only member that can hold positions. Members with as many rows as the positions become
+/// attributes under their names; others are left out with a warning. Throws Error for other files.
 std::unique_ptr<Reader> open_npy_points(const std::filesystem::path& path);
 
 }  // namespace pointsweep

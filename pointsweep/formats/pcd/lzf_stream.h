@@ -20,8 +20,8 @@ class LzfStream {
   struct State {
     std::uint64_t in = 0;                                                 ///< compressed bytes read
     std::uint64_t out = 0;                                                ///< decompressed bytes returned
-    std::uint32_t match_distance = 0, match_left = 0, literals_left = 0;  ///< rest of literals or of a match
-    std::array<std::byte, 8192> history{};  ///< the last bytes returned; a byte's index is its place modulo the size
+    std::uint32_t match_distance = 0, match_left = 0, literals_left = 0;  ///< rest of a run of literals or of a match
+    std::array<std::byte, 8192> history{};  ///< last bytes returned, each at its place in the block modulo 8192
   };
 
   /// Decompresses the block of `bytes` compressed bytes from `offset` on. `file` must outlive the stream.

@@ -60,12 +60,12 @@ PcdHeader read_pcd_header(const InputFile& file);
 /// Returns whether a file that begins with `head` is a PCD file.
 bool starts_as_pcd(std::string_view head);
 
-/// Opens a file with all fields and their counts. A colour packed into `rgb` or `rgba` becomes red, green, blue (and
-/// alpha). Points with NaN coordinates, which organised clouds have where the sensor saw nothing, are kept. VIEWPOINT
-/// is not applied; a warning is given if it is not the identity, and another if the rows and columns of an organised
-/// cloud are lost. A decoder decompresses all wanted fields at the same time, with about 70 KB for each field; the
-/// reader keeps 8 KB of each field for every 16 MB of the widest field. Opening a compressed file decompresses it once.
-/// Throws Error for a damaged or truncated file.
+/// Opens a file with all fields except padding, and their counts. A colour packed into `rgb` or `rgba` becomes red,
+/// green, blue (and alpha). Points with NaN coordinates, which organised clouds have where the sensor saw nothing, are
+/// kept. VIEWPOINT is not applied; a warning is given if it is not the identity, and another if the rows and columns of
+/// an organised cloud are lost. A decoder of a compressed file decompresses all wanted fields at the same time, with
+/// about 70 KB for each field; its reader keeps 8 KB of each field for every 16 MB of the widest field. Opening a
+/// compressed file decompresses it once. Throws Error for a damaged or truncated file.
 std::unique_ptr<Reader> open_pcd(const std::filesystem::path& path);
 
 /// Creates a writer of all fields with their types; scaled fields become float64. 8-bit red, green and blue are packed

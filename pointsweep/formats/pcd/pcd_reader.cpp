@@ -18,7 +18,8 @@ std::string_view name_of_data(PcdData data) {
   return data == PcdData::ascii ? "ascii" : data == PcdData::binary ? "binary" : "binary_compressed";
 }
 
-/// Returns whether "VIEWPOINT tx ty tz qw qx qy qz" is the identity. An incomplete line counts as the identity.
+/// Returns whether "VIEWPOINT tx ty tz qw qx qy qz" is the identity. Numbers that the line lacks count as those of the
+/// identity.
 bool is_identity(std::string_view viewpoint) {
   take_word(viewpoint);
   for (const double expected : {0, 0, 0, 1, 0, 0, 0}) {

@@ -32,7 +32,8 @@ constexpr std::size_t kLongestPiece = 900;
 constexpr std::string_view kLas = "comment las ", kWkt = "comment crs ", kKeys = "comment crs_geotiff_keys ",
                            kDoubles = "comment crs_geotiff_doubles ", kAscii = "comment crs_geotiff_ascii ";
 
-/// Cuts `text` into pieces that neither begin nor end with a space, since readers may trim lines.
+/// Returns lines of `prefix` and a piece of `text` each. No piece begins or ends with a space, since readers may trim
+/// lines.
 std::vector<std::string> in_pieces(std::string_view prefix, std::string_view text) {
   std::vector<std::string> lines;
   while (!text.empty()) {

@@ -77,9 +77,10 @@ std::string las_comment(const LasOrigin& origin);
 /// Returns the meaning that a line of las_comment() states, and removes the line. An invalid line is not removed.
 std::optional<LasOrigin> take_las_comment(std::vector<std::string>& lines);
 
-/// Opens a file. The points are the entries of the element `vertex`, with all properties. Other elements are skipped
-/// and named in FileInfo::warnings, since an output does not keep them. Records of a binary file are its bytes, in
-/// little-endian order. Throws Error for lists on vertices, missing x, y or z, and fewer vertices than the header says.
+/// Opens a file. The points are the entries of the element `vertex`, with all properties. Other elements are skipped,
+/// and those with entries are named in FileInfo::warnings, since an output does not keep them. Records of a binary file
+/// are its bytes, in little-endian order. Throws Error for lists on vertices, missing x, y or z, and fewer vertices
+/// than the header says.
 std::unique_ptr<Reader> open_ply(const std::filesystem::path& path);
 
 /// Creates a writer of one element `vertex` with a property for each component of each field, in the order of the plan.

@@ -12,8 +12,8 @@
 
 namespace pointsweep {
 
-/// A scan: a grid of cells, column by column. A cell is a line `x y z [intensity [red green blue]]`; 0 0 0 means that
-/// the scanner saw nothing.
+/// A scan: a grid of cells; cell column * rows + row is at that column and row. A cell is a line `x y z [intensity [red
+/// green blue]]`; 0 0 0 means that the scanner saw nothing.
 struct PtxScan {
   std::uint64_t columns = 0, rows = 0;
   std::array<double, 16>
@@ -40,7 +40,8 @@ struct PtxLayout {
   std::uint64_t end = 0;         ///< byte after the last point
 };
 
-/// Reads the whole file. Throws Error, with the line, for a wrong line, and if the file ends before the last cell.
+/// Reads the whole file. Throws Error, with the line, for a wrong line in a header and a wrong first cell of a scan,
+/// and if the file ends before the last cell. The numbers of other cells are not checked.
 PtxLayout find_ptx_layout(const InputFile& file);
 
 /// Returns whether a file that begins with `head` is a PTX file, by the ten lines of the header of its first scan.

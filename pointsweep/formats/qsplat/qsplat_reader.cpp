@@ -45,7 +45,8 @@ class QsplatReader final : public Reader {
   std::unique_ptr<RowDecoder> decoder(const WantedFields&) const override { return std::make_unique<Decoder>(*this); }
 
  private:
-  /// Returns whether any part of the file has colours. Sets info_.bounds.
+  /// Returns whether any part of the file has colours. Sets info_.bounds to the box of the root spheres of all trees,
+  /// if there is a finite one.
   bool look_at_fragments() {
     bool has_color = false;
     Box bounds;

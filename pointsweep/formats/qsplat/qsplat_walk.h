@@ -20,18 +20,19 @@ struct QsplatSphere {
 };
 
 /// Returns the sphere with the 13-bit `code` inside `parent`. Its radius is the parent's radius times s/13. Its centre
-/// is the parent's centre plus the parent's radius times (s + 2x)/13 - 1 on each axis. Here (s, x, y, z) is the code-th
-/// quadruple of 1 <= s <= 13, 0 <= x, y, z <= 13 - s that fits (the cube of the child meets the parent's sphere).
-/// Evaluated in single precision, as in QSplat. Returns nothing for an unused code: the format defines 7,621 codes, and
-/// 13 bits hold 8,192.
+/// is, on the x axis, the parent's centre plus the parent's radius times (s + 2x)/13 - 1, and likewise with y and z.
+/// Here (s, x, y, z) is quadruple number `code`, from 0 and in lexicographic order, of those with 1 <= s <= 13 and 0 <=
+/// x, y, z <= 13 - s whose centre is at most 1 + √3 s/13 of the parent's radii from the parent's centre. Evaluated in
+/// single precision, as in QSplat. Returns nothing for an unused code: the format defines 7,621 codes, and 13 bits hold
+/// 8,192.
 std::optional<QsplatSphere> qsplat_sphere(unsigned code, const QsplatSphere& parent);
 
-/// Returns the unit normal with the 14-bit `code`, one of 52×52 places on a face of a cube. Returns (0, 0, 0) for codes
-/// of corners outside of the unit sphere, which no encoder writes, and (0, 0, 1) for codes without a face, as in
-/// QSplat.
+/// Returns the unit normal with the 14-bit `code` (52 face + u) 52 + v: place (u, v) of 52×52 on a face of a cube.
+/// Returns (0, 0, 0) for codes of corners outside of the unit sphere, which no encoder writes, and (0, 0, 1) for codes
+/// without a face, as in QSplat.
 std::array<float, 3> qsplat_normal(unsigned code);
 
-/// Returns red, green and blue, 0 to 255, from 5, 6 and 5 bits.
+/// Returns red, green and blue, 0 to 255, from 5, 6 and 5 bits, red in the highest.
 std::array<std::uint8_t, 3> qsplat_color(unsigned code);
 
 /// The header of one part of a file. A part is a tree or a comment.
@@ -59,8 +60,8 @@ struct QsplatLeaf {
 
 /// Walks through the leaves depth first. The file stores the tree breadth first, siblings together. Each group of
 /// siblings states the place of the first group of its children; the groups of children of all siblings are
-/// consecutive. So a walk moves forward on every level of the tree, and needs one block of the file per level (64 KiB ×
-/// depth, about 1 MB for 10^8 leaves).
+/// consecutive, in the order of the siblings. So a walk moves forward on every level of the tree, and needs one block
+/// of the file per level (64 KiB × depth, about 1 MB for 10^8 leaves).
 class QsplatWalk {
  public:
   /// One level of the tree in the position of a walk. A position is small (40 bytes × depth), so that a reader can

@@ -81,13 +81,14 @@ std::unique_ptr<Reader> open_text(const std::filesystem::path& path);
 std::unique_ptr<Reader> open_text_columns(const std::filesystem::path& path, std::span<const std::string> columns);
 
 /// Returns whether the first lines of the file are rows of points, or a header and such rows. `columns`: the names of
-/// columns that the user states; may be empty.
+/// columns that the user states; may be empty, and then a header alone is enough.
 bool fits_text(const std::filesystem::path& path, std::span<const std::string> columns);
 
-/// Creates a writer that writes each value with the fewest digits that represent it in its type, and coordinates with
-/// FileLayout::decimals digits if the plan states them. The first line has the names of the columns: plain in a .csv,
-/// otherwise after `# `, which programs without support for headers take as a comment. A .pts starts with the number of
-/// points instead, and states column names only if they are not the usual ones.
+/// Creates a writer that writes each value with the fewest digits that represent it in its type, scaled integers as the
+/// decimal numbers that GridDecimals restores, and coordinates with FileLayout::decimals digits after the point if the
+/// plan states them. The first line has the names of the columns: plain in a .csv, otherwise after `# `, which programs
+/// without support for headers take as a comment. A .pts starts with the number of points instead, and states column
+/// names only if they are not the usual ones. Provenance follows as comments, except in a .csv.
 std::unique_ptr<Writer> create_text_writer(const OutputPlan& plan);
 
 /// Returns how coordinates are rounded to the digits that are written; none if they are written exactly.

@@ -25,7 +25,8 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Returns the offset of the first character from `at` on, outside of quotes, for which `ends` is true.
+/// Returns the offset of the first character from `at` on, outside of quotes, for which `ends` is true; the size of the
+/// line if there is none.
 template <class Predicate>
 std::size_t find_unquoted(std::string_view line, std::size_t at, Predicate ends) {
   char quote = 0;

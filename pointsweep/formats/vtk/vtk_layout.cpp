@@ -202,7 +202,8 @@ class VtkParser {
     skip("LOOKUP_TABLE", "UNSIGNED_CHAR", colors, 4);
   }
 
-  /// Adds an array of points to the layout. Skips an array of cells, and an array whose type no attribute can have.
+  /// Adds an array of points to the layout. Skips an array of cells, and an array without components or of a type that
+  /// no attribute can have.
   void add_array(VtkArray array, std::string_view type_name, std::uint64_t rows) {
     const std::string type = upper_case(type_name);
     const std::optional<Type> known = vtk_type(type);

@@ -165,8 +165,9 @@ class TextVtkReader final : public Reader {
 constexpr std::string_view kVtkExtensions[] = {".vtk"};
 
 /// Opens a file. Points have all their attributes: scalars, vectors, normals (nx ny nz), colours (red green blue
-/// alpha), texture coordinates, tensors and arrays of fields, in the types of the file. Cells and their attributes are
-/// left out; a warning counts them. Opening a text file reads it once. Throws Error for a damaged or truncated file.
+/// alpha), texture coordinates, tensors and arrays of fields, in the types of the file; a warning names those whose
+/// type or number of values no attribute can have. Cells and their attributes are left out; a warning counts the cells,
+/// except vertices. Opening a text file reads it once. Throws Error for a damaged or truncated file.
 std::unique_ptr<Reader> open_vtk(const std::filesystem::path& path) {
   auto file = std::make_shared<const InputFile>(path);
   VtkLayout layout = read_vtk_layout(*file);
