@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The transition from one pass to the next: made attributes replace attributes of the input, dropped rows are removed,
-/// attributes that later passes read are carried on, and values of the whole cloud become known.
+/// attributes that later passes read or the output needs are carried on, and values of the whole cloud become known.
 #pragma once
 
 #include <cstddef>
@@ -67,8 +67,8 @@ void finish_values(const PlannedPass& pass, const std::vector<std::vector<std::v
 /// Returns the pass with the values of the whole cloud that its stages need, bound to `records` (PlannedPass::bind).
 PlannedPass ready_pass(PlannedPass pass, const CloudValues& values, const Schema& records);
 
-/// Collects a decision for each row of a cloud from which selects may have dropped rows. The result is a selection
-/// among all rows of the cloud.
+/// Collects the decisions of a pass that drops rows: one for each row that earlier passes have left. The result is a
+/// selection among all rows of the cloud.
 class RowMask {
  public:
   /// `before`: the rows that earlier selects have kept of `rows` rows; null: all. It must outlive the mask.
@@ -137,7 +137,7 @@ PointSource updated_source(const PointSource& input, const RowFile& carried, con
 /// values of the whole cloud.
 class PassUpdate {
  public:
-  /// `input`: the rows of `cloud`.
+  /// `input`: the rows of `cloud`. `rows`, `mask`: places for the carried records and for the selection.
   PassUpdate(const PlannedPass& pass, const InputCloud& cloud, PointSource input, const SpillPlace& rows,
              const SpillPlace& mask);
 

@@ -40,7 +40,7 @@ class OutputFiles {
   /// Throws for outputs that cannot be written, as far as this is known before the work. `bounds`: bounds of the input;
   /// may be empty.
   void require_writable(const Context& context, const Box& bounds);
-  /// Opens the outputs before the first pass. If ChainPlan::opens_late(), only checks that they can be written.
+  /// Opens the outputs. If ChainPlan::opens_late(), only checks that they can be written.
   void open(const Context& context, const WorkPlan& work, const Survey& survey, const Rows& rows);
   /// Opens the outputs after the passes. Must not be called if are_open(). `survey`: survey of the points that were put
   /// in order last, or of the input if none were; if needs_bounds(), all points are surveyed again.

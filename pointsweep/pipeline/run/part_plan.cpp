@@ -25,7 +25,7 @@
 namespace pointsweep {
 namespace {
 
-/// Bytes of a point in a graph with weights, including its ballot (VoteRule) and 1.4 edges.
+/// Estimated bytes of a point in a graph with weights, including its ballot (VoteRule) and 1.4 edges.
 constexpr std::uint64_t kGraphBytes = 160;
 
 /// Throws UsageError for a run that needs all points in one process, so that it cannot be divided among tiles.

@@ -65,7 +65,7 @@ struct Surveyed {
 /// The result of an order phase.
 struct Ordered {
   Stream stream;
-  std::vector<Vec3> bucket_places;  ///< places between buckets of edges (bucket_begins()), if the pass connects points
+  std::vector<Vec3> bucket_places;  ///< positions where buckets of edges begin (bucket_begins()); may be empty
   Survey survey;                    ///< survey of the positions of the points, without its sample
   MemoryPlan memory;                ///< plan for the sweep
   std::uint64_t first_row = 0;      ///< row of `stream` that is row 0 of Context::cloud, which may be one tile
@@ -85,8 +85,8 @@ struct Rows {
 /// (FileInfo::decode_once), unless the run only copies rows. Before decoding, throws if the outputs cannot be written,
 /// as far as this is known; an Outputs::writer is not checked.
 InputCloud decode_input(const Context& context, OutputFiles& files);
-/// Surveys a sample of the input, or all points if the plan needs it. A resumed run gets the survey of its checkpoint;
-/// a run that only copies rows gets an empty survey.
+/// Surveys a sample of the input, or all points if the order, the engine or the output needs it. A resumed run gets the
+/// survey of its checkpoint; a run that only copies rows gets an empty survey.
 Survey survey_input(const Context& context);
 /// Plans the layout of the output and the memory from the survey, and sets the boxes of `input`.
 WorkPlan plan_work(const Context& context, Surveyed& input);

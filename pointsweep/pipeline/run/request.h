@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A request for a run, and the checks before the first point is read.
+/// A request for a run, and the checks of a request that read no point.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// A request as users give it, with the plan of its chain.
+/// A request of a user, with the plan of its chain. The cloud may lack rows that a run drops before its first phase.
 struct Request {
   InputCloud& cloud;
   const Outputs& outputs;
