@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A request for a run, and the checks of a request that read no point.
+/// A request for a run, and checks of the request, none of which reads a point.
 #pragma once
 
 #include <optional>
