@@ -59,8 +59,9 @@ constexpr std::uint64_t kUsuallyWaiting = 256 << 10, kMostWaiting = 544 << 10;
 
 bool is_unlimited(const SweepPlan& plan) { return plan.neighborhood.k == Neighborhood::kUnlimited; }
 
-/// Returns the bytes of the list of neighbours that a point keeps for later steps. Returns 0 for a single step, and
-/// without a limit k, since each step then searches its lists again.
+/// Returns the bytes of the list of neighbours that a point keeps for later steps. Counts at most 1,024 neighbours.
+/// Returns 0 for a single step, after which no list is needed, and without a limit k, where each step searches its
+/// lists again.
 std::uint64_t kept_list_bytes(const SweepPlan& plan) {
   if (plan.step_count() == 1 || is_unlimited(plan)) return 0;
   return sizeof(NeighborRef) * (1 + std::min<std::size_t>(plan.neighborhood.k, 1024));
@@ -124,8 +125,8 @@ std::uint64_t lists_bytes(std::uint64_t budget, const MemoryDemand& demand) {
   return std::clamp(budget / 16 / std::max(1u, demand.threads), kLeastListBytes, kMostListBytes);
 }
 
-/// Returns the memory of one thread: a slab that is being cut into cells, a cell with its results and its lists, and
-/// the candidates of the point that is being searched.
+/// Returns the memory of one thread: its stack, a slab that is being cut into cells, a cell with its results and its
+/// lists, the candidates of the point that is being searched, and gathered points.
 std::uint64_t thread_bytes(const SweepPlan& plan, std::uint64_t slab_points, std::uint64_t budget,
                            const MemoryDemand& demand) {
   const std::uint64_t cell = std::min<std::uint64_t>(demand.points, demand.cell_points);
@@ -191,7 +192,7 @@ std::uint64_t limit_of_control_group() {
   return limit;
 }
 
-/// Divides a budget among the structures of a run.
+/// Divides a budget among the structures of a pass.
 class Division {
  public:
   Division(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand, bool lists)
@@ -270,7 +271,7 @@ void add_slabs_to_turns(MemoryPlan& out, const SweepPlan& plan, const MemoryDema
   out.expected_bytes += more();
 }
 
-/// Plans a run. Prefers room for the lists of later steps over a stream in memory. If the lists do not fit beside a
+/// Plans a pass. Prefers room for the lists of later steps over a stream in memory. If the lists do not fit beside a
 /// spilled stream either, later steps search them again.
 MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
   bool lists = true;
@@ -297,8 +298,8 @@ MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDeman
   return out;
 }
 
-/// Returns the least sufficient budget, in whole MB. The expected memory of a plan grows more slowly than its budget,
-/// so that bisection finds it.
+/// Returns the least sufficient budget in bytes, a multiple of 1 MB. The expected memory of a plan grows more slowly
+/// than its budget, so that bisection finds it.
 std::uint64_t least_budget(const SweepPlan& plan, const MemoryDemand& demand) {
   const auto does = [&](std::uint64_t mega) {
     return Division(mega * kMega, plan, demand, false).find().expected_bytes <= mega * kMega;

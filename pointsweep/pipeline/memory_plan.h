@@ -28,7 +28,8 @@ struct MemoryDemand {
   /// across the axis as thick as the radius times (steps + 1).
   std::uint64_t slice_points = 0;
   /// Estimate for several steps with a limit k: points that stay in the window, besides the slabs near the sweep plane,
-  /// because their cells wait for one another (window_neighbors()); 0 if a window of all points fits.
+  /// because their cells wait for one another (window_neighbors()); 0 if a window of all points fits into half of the
+  /// budget.
   std::uint64_t waiting_for_steps = 0;
   /// Estimated number of points that wait in memory if slabs are made on demand; absent if that is impossible.
   std::optional<std::uint64_t> waiting_points = {};
@@ -39,7 +40,7 @@ struct MemoryPlan {
   bool spill_results = false;
   bool on_demand = false;  ///< slabs are made when they are read; ordering spills nothing
   std::uint64_t slab_points = 0;
-  std::uint64_t stream_buffer_bytes = 0;  ///< buffers of the distribution pass
+  std::uint64_t stream_buffer_bytes = 0;  ///< buffers of the distribution pass, or for slabs on demand
   std::uint64_t result_buffer_bytes = 0;
   std::uint64_t most_waiting = 0;    ///< most points that may wait in memory for slabs that are made on demand
   std::uint64_t recall_bytes = 0;    ///< limit for the points that the recall has in memory
@@ -50,7 +51,7 @@ struct MemoryPlan {
   std::uint64_t in_order_bytes = 0;  ///< limit for an in-order operator
   std::uint64_t lists_bytes = 0;     ///< memory for the lists that each thread uses at a time
   std::uint64_t expected_bytes = 0;  ///< expected memory of the whole run
-  std::uint64_t needed_bytes = 0;    ///< least sufficient budget, a multiple of 1 MB; 0 if the given one suffices
+  std::uint64_t needed_bytes = 0;    ///< least sufficient budget; 0 if the given one suffices
 };
 
 /// Memory of a run that does not grow with the cloud: code and the chunks that are being read and written.

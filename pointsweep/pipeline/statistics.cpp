@@ -27,7 +27,7 @@ nlohmann::ordered_json thinned(const std::vector<std::pair<std::uint64_t, std::u
   return rows;
 }
 
-/// Returns [{"operator": "knn", "series": [[points read, points], ...]}, ...].
+/// Returns [{"operator": "knn", "series": [[points read, points waiting], ...]}, ...].
 nlohmann::ordered_json buffers(const Statistics& s) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const auto& [name, series] : s.buffers) out.push_back({{"operator", name}, {"series", thinned(series)}});
@@ -88,8 +88,7 @@ void add_stages(Statistics& to, const SweepPlan& plan, const std::vector<double>
   }
 }
 
-// `certified` becomes the least count over all sweeps, which counts the points certified in every sweep: each sweep has
-// only points of the sweep before, unless `set` gives a finite position to a point that had none.
+// `certified` becomes the least count of all sweeps, which is an upper bound of the points certified in every sweep.
 void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep) {
   to.certified = to.sweeps == 0 ? sweep.certified : std::min(to.certified, sweep.certified);
   to.recalled += sweep.recalled;

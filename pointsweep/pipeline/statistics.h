@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Functions that fill in the statistics of a run: add the counts of a sweep, describe the machine, and store what was
-/// requested for plots and pictures.
+/// Functions that fill in the statistics of a run: add the counts of a sweep and its stages, and describe the machine
+/// and its memory. write_states() writes a file for pictures.
 #pragma once
 
 #include <cstdint>

@@ -33,7 +33,8 @@ class SweepEngine {
   virtual std::string name() const = 0;
   /// Throws UsageError for a request that the engine does not support.
   virtual void require_can(const ChainPlan& plan, const EngineOptions& options) const = 0;
-  /// Performs the pass and returns the statistics of its sweep. Adds counts that no other engine has to `statistics`.
+  /// Performs the pass and returns the statistics of its sweep. Adds to `statistics` the counts that only this engine
+  /// has.
   virtual SweepStatistics sweep(const EnginePass& pass, Statistics& statistics) const = 0;
 };
 

@@ -67,7 +67,8 @@ constexpr Encoding kCheckpointEncoding{"checkpoint", 1};
 constexpr std::array kCounts = {&Statistics::sweeps,     &Statistics::certified, &Statistics::recalled,
                                 &Statistics::degenerate, &Statistics::nonfinite, &Statistics::peak_points};
 
-/// Largest share of the time between two checkpoints that saving one may take. A slow save lengthens the interval.
+/// Largest share of the time between two checkpoints that saving one may take. A slow save lengthens the interval,
+/// unless the user sets it to 0.
 constexpr double kShare = 0.01;
 
 }  // namespace

@@ -24,8 +24,9 @@
 namespace pointsweep {
 
 /// Returns lines of text: the version of pointsweep and of its checkpoints, inputs (with size and time), outputs,
-/// options that change outputs, the pipeline with every option of every stage, passes, and the fields that are kept.
-/// Throws Error if an input is not a file, since its changes could not be detected.
+/// points of a cell, options that change outputs, the coordinate system that the user states, the pipeline with every
+/// option of every stage, passes, and the fields that are kept. Throws Error if an input is not a file, since its
+/// changes could not be detected.
 std::string run_identity(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
                          const EngineOptions& options);
 
@@ -55,8 +56,8 @@ struct Checkpoint {
   static Checkpoint decode(Decoder& in);
 };
 
-/// Copies the number of sweeps, the counts of points and the degenerate results; copies neither times nor bytes nor
-/// series.
+/// Copies the number of sweeps, the counts of certified, recalled, degenerate and non-finite points, the peak of the
+/// window and the degenerate results; copies neither times nor bytes nor series.
 void take_counts(Statistics& to, const Statistics& from);
 
 /// Saves the checkpoints of a run in its folder.
@@ -72,7 +73,8 @@ class Checkpoints {
   /// this pass begins, or "decoded" (RunPlaces::place).
   SpillPlace place(const char* kind, std::uint64_t sweep) const;
   std::optional<SweepProgress> progress() const;
-  /// Throws Error if the saved stream was cut into slabs of more than `slab_points`, for more memory or fewer threads.
+  /// Throws Error if the saved stream was cut into slabs of more than `slab_points`, as a process with more memory or
+  /// fewer threads does.
   void require_slabs_of(std::uint64_t slab_points) const;
 
   /// Sets the survey and the memory budget of the run, which later checkpoints contain.

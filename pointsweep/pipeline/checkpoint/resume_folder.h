@@ -19,9 +19,8 @@
 namespace pointsweep {
 
 /// A folder with a file `checkpoint`, which is always replaced as a whole, the files of spilled data to which the
-/// checkpoint refers, and a list
-/// `tiles` of finished tiles. The folder is locked while a process works in it. remove() deletes the folder, and so
-/// does the destructor if nothing was ever saved in it.
+/// checkpoint refers, and a list `tiles` of complete tiles. The folder is locked while a process works in it. remove()
+/// deletes the folder, and so does the destructor if nothing was ever saved in it.
 class ResumeFolder {
  public:
   /// Makes the folder if it is missing. Throws Error if it contains other files, another process uses it, or saved data
@@ -41,9 +40,9 @@ class ResumeFolder {
   /// "decoded-".
   SpillPlace place(const std::string& name) const { return SpillPlace::kept(path() / name); }
   /// Begins to save `bytes`, which describe the present data of the files `names`. Another thread then flushes both to
-  /// the disk: first the data, then the bytes under their name, so that even after a power failure the description
-  /// never exists without its data. Then other data files are removed. Throws the error of the previous call, if it
-  /// failed.
+  /// the disk: first the data, then the bytes as the file `checkpoint`, so that even after a power failure the
+  /// description never exists without its data. Then other data files are removed. Throws the error of the previous
+  /// call, if it failed.
   void save(std::vector<std::byte> bytes, const std::set<std::string>& names);
   bool is_saving() const;
   /// Removes all files of spilled data except `names`.
@@ -64,9 +63,10 @@ class ResumeFolder {
 };
 
 /// The list of complete tiles, a file in the folder of checkpoints. A tile is listed twice: by the inode of its
-/// unfinished file just before the file is renamed, and by inode, size and time of change afterwards. So a resumed run
-/// recognises each complete tile, even if the earlier process ended during the rename, and does not mistake another
-/// file of the same name for it. An object in the network is listed once, by its ETag, size and time of change.
+/// unfinished file just before the file is renamed, and by inode, size and time of modification afterwards. So a
+/// resumed run recognises each complete tile, even if the earlier process ended during the rename, and does not mistake
+/// another file of the same name for it. An object in the network is listed once, by its ETag, size and time of
+/// modification.
 class FinishedTiles {
  public:
   /// Reads the list of earlier processes. With an empty `resume_folder`, the list stays empty.
@@ -84,7 +84,7 @@ class FinishedTiles {
   struct File {
     std::uint64_t device = 0, inode = 0;
     std::uint64_t bytes = 0;
-    std::int64_t changed = 0;  ///< time of change, in ns for files, in s for objects; 0: unknown
+    std::int64_t changed = 0;  ///< time of modification, in ns for files, in s for objects; 0: unknown
   };
   static bool find(const std::filesystem::path& path, File& file);
   void add(std::size_t tile, const File& file);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Builds the chain of a pipeline from facts about its cloud (Facts), above all the unit of its lengths, writes chains
-/// as text, and makes the file names in a pipeline absolute.
+/// Builds the chain of a pipeline from facts about its cloud (Facts), above all the unit of its lengths, checks that
+/// lengths have a unit, writes chains as text, and makes the file names in a pipeline absolute.
 #pragma once
 
 #include <string>
@@ -29,11 +29,11 @@ void require_lengths(const InputCloud& cloud, const Chain& chain);
 
 /// Returns one sentence for each stage with default lengths if the coordinate reference system of the cloud has a unit
 /// other than the metre, or states no unit; a code of the EPSG registry alone does not state one. Returns nothing for a
-/// cloud without such a system.
+/// cloud without a system, or whose system is ignored.
 std::vector<std::string> notes_on_defaults(const InputCloud& cloud, const Chain& chain);
 
-/// Appends stages to a chain. `facts`: facts about the cloud of the chain. Throws UsageError for a stage knn, which may
-/// only begin a pipeline.
+/// Appends stages to a chain. `facts`: facts about the cloud of the chain. Throws UsageError for an unknown stage or
+/// option, and for a stage knn, which may only begin a pipeline.
 void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts);
 
 /// Builds a chain like build_chain() of program/pipeline.h, for a cloud that is known by its facts or for an
@@ -55,8 +55,8 @@ std::string canonical_text(const Neighborhood& neighborhood, Presets presets);
 std::vector<std::string> canonical_stages(const ChainPlan& plan, Presets presets);
 
 /// Returns the pipeline with the absolute names of the files, folders and patterns that its options name. An option
-/// whose file does not exist stays unchanged, since it may be a text, and so does a stage of an unknown name. Throws
-/// the errors of parse_pipeline().
+/// whose file, or whose folder before the first wildcard, does not exist stays unchanged, since it may be a text, and
+/// so does a stage of an unknown name. Throws the errors of parse_pipeline().
 std::string with_absolute_files(std::string_view pipeline);
 
 }  // namespace pointsweep

@@ -61,7 +61,7 @@ const OptionDeclaration& declared(const std::vector<OptionDeclaration>& declarat
 }
 
 /// Returns the declaration that an option text belongs to. If the first option text has no name, it belongs to the
-/// first declaration, unless its value is the name of an option.
+/// first declaration, unless its value is the name of an option that cannot be given without its name.
 const OptionDeclaration& declared_for(const std::vector<OptionDeclaration>& declared_options, const OptionText& option,
                                       bool first, const StageText& stage) {
   const auto is_name = [&](const OptionDeclaration& o) { return !o.positional && o.name == option.value; };
@@ -80,7 +80,8 @@ OptionText as_condition(const std::vector<OptionDeclaration>& declared_options, 
   return {"", option.name + " = " + option.value, option.place};
 }
 
-/// Joins the values of drop(a, b) and set(a = 1, b = 2), each of which has one option whose value contains commas.
+/// Joins the unnamed values of drop(a, b) or of set(a = 1, b = 2) to one value with commas, since the first option of
+/// these stages is a list.
 std::vector<OptionText> with_lists_joined(const std::vector<OptionDeclaration>& declared_options,
                                           const std::vector<OptionText>& given) {
   const auto is_list = [](const OptionDeclaration& option) {

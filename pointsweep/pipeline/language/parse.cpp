@@ -88,7 +88,7 @@ class Parser {
     return std::string(text_.substr(first, end - first));
   }
 
-  /// Parses an assignment of the stage `set`, NAME = NUMBER [where CONDITION], or another option of this stage.
+  /// Parses an assignment of the stage `set`, NAME = EXPRESSION [where CONDITION], or another option of this stage.
   OptionText assignment() {
     skip_space();
     const std::string_view text = text_.substr(at_, end_of_option() - at_);

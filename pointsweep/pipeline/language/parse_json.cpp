@@ -17,7 +17,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // keeps options in the order of the text
 
-/// Parses JSON. Throws UsageError for repeated keys, of which nlohmann::json would silently use the last.
+/// Parses JSON. Throws UsageError for invalid JSON, and for repeated keys, of which nlohmann::json would silently use
+/// the last.
 Json parsed(std::string_view text, std::string_view source) {
   std::vector<std::set<std::string>> keys;
   const auto refuse_twice = [&](int, Json::parse_event_t event, Json& value) {
@@ -108,7 +109,8 @@ class PdalStage {
   std::set<std::string> known_;
 };
 
-/// Converts a range: in `Classification[2:5)` a bracket includes the limit, a parenthesis excludes it.
+/// Converts a range of PDAL to a condition. In `Classification[2:5)`, a bracket includes the limit, a parenthesis
+/// excludes it. A limit may be absent; `!` after the name negates the range.
 std::string condition_of_range(const std::smatch& range) {
   const std::string name = range[1];
   std::vector<std::string> sides;
@@ -137,7 +139,7 @@ std::string condition_of_limits(const std::string& limits, const std::string& pl
   return all;
 }
 
-/// Converts `([0,300],[0,200])` to xmin, ymin, xmax, ymax.
+/// Converts `([xmin,xmax],[ymin,ymax])` to `xmin,ymin,xmax,ymax`.
 std::string crop_bounds(std::string bounds, const std::string& place) {
   std::erase(bounds, ' ');
   static const std::regex plane(R"(\(\[([^,\]]+),([^,\]]+)\],\[([^,\]]+),([^,\]]+)\]\))");
@@ -274,8 +276,9 @@ class OurStages {
   OptionText latest_;
 };
 
-/// Converts stages of PDAL to equivalent stages, in order, with their neighbourhoods. Readers and writers are dropped:
-/// files are named on the command line. Throws UsageError for a stage, or an option of a stage, without an equivalent.
+/// Converts stages of PDAL to equivalent stages, in order, with their neighbourhoods. Readers and writers are dropped,
+/// since files are named on the command line; so are merge, info and stats. Throws UsageError for a stage, or an option
+/// of a stage, without an equivalent.
 std::vector<StageText> stages_of_pdal(const std::vector<StageText>& stages) {
   OurStages ours;
   for (const StageText& stage : stages) ours.add(stage);
@@ -292,7 +295,7 @@ bool is_of_pdal(const Json& stage) {
          is_pdal_stage(stage["type"].get<std::string>());
 }
 
-/// Returns whether the stage is a reader or writer of PDAL, given only by its file.
+/// Returns whether the stage is a reader or writer of PDAL, given by its file without a type.
 bool names_file(const Json& stage) {
   return stage.is_string() || (stage.is_object() && !stage.contains("type") && stage.contains("filename"));
 }

@@ -21,7 +21,8 @@ std::optional<double> take_number(std::string_view& text) {
   return value;
 }
 
-/// Parses a whole number, exact to 64 bits, or a decimal number with K, M, G or T, which stand for powers of `base`.
+/// Parses a whole number, exact to 64 bits, or a decimal number with K, M, G or T for a power of `base`, whose product
+/// is rounded down. A decimal number without a letter must be whole.
 std::optional<std::uint64_t> scaled(std::string_view text, double base) {
   std::uint64_t whole = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), whole);

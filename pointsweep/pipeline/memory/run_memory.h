@@ -37,11 +37,12 @@ struct RunMemory {
   /// The plan for `ordered_pass` in which a distribution pass puts the points into slabs (docs/adr/0004). Set if slabs
   /// are to be made on demand (docs/adr/0011); used if that turns out to be impossible.
   std::optional<MemoryPlan> by_distribution;
-  std::string order_text;                   ///< sentence: how `ordered_pass` puts its points in order, and why
-  std::vector<std::uint64_t> record_bytes;  ///< for each pass, bytes of a point's record in the stream
-  std::vector<Effort> efforts;              ///< effort of each pass
-  MemoryPlan reordering;                    ///< plan for putting the output in order, if ChainPlan::reorders
-  bool spill_rows = false;                  ///< true if records carried between passes, and masks of rows, are spilled
+  std::string order_text;  ///< for a sentence: how `ordered_pass` puts its points in order, and why
+  /// For each pass, bytes of a point's record in the stream; for a pass over rows, bytes of a row as the pass sees it.
+  std::vector<std::uint64_t> record_bytes;
+  std::vector<Effort> efforts;       ///< effort of each pass
+  MemoryPlan reordering;             ///< plan for putting the output in order, if ChainPlan::reorders
+  bool spill_rows = false;           ///< true if records carried between passes, and masks of rows, are spilled
   std::uint64_t row_bytes = 0;       ///< most bytes of carried records and masks, in memory or in the temporary folder
   std::uint64_t expected_bytes = 0;  ///< greatest expected memory of the run at any time
   std::uint64_t needed_bytes = 0;    ///< least sufficient budget if the given one is too small; otherwise 0
@@ -55,10 +56,10 @@ using CodecBytes = std::function<std::uint64_t(unsigned threads)>;
 
 /// Plans the memory of all passes. Records carried between passes stay in memory only if nothing else is spilled and
 /// they fit. One survey serves all sweeps, since the places of moved points are not known yet. The number of threads is
-/// limited by the options and by the budget; with a limit k, threads beyond the second work only if all of them leave
-/// three quarters of the budget beyond kFixedBytes to the window and the recall. Throws Error, which states the
-/// least sufficient budget, if the budget is too small for one thread. `output_bytes`: bytes of an output record;
-/// `codecs` may be empty.
+/// limited by the options and by the budget; with a limit k, threads beyond the second work only if the memory of all
+/// threads is at most a quarter of the budget beyond kFixedBytes, so that enough is left for the window and the recall.
+/// Throws Error, which states the least sufficient budget, if the budget is too small for one thread. `output_bytes`:
+/// bytes of an output record; `codecs` may be empty.
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
                           const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs = {},
                           const OnDemandOrder& on_demand = {"it was not looked for", {}});

@@ -108,8 +108,9 @@ Offsets nearest_offsets(Vec3 place, const std::vector<Vec3>& others) {
   return offsets;
 }
 
-/// Scales an offset to a cloud in which neighbours are `scale` times as far apart. A coordinate of the offset that is
-/// smaller than the scaled distance stays unchanged: noise across a wall does not decrease with more points.
+/// Returns an offset for a cloud in which neighbours are `scale` times as far apart: limits each coordinate to `scale`
+/// times the length of the offset. Smaller coordinates stay unchanged, since noise across a wall does not decrease with
+/// more points.
 Vec3 scaled(Vec3 offset, double scale) {
   const double most = scale * length(offset);
   for (const int c : {0, 1, 2}) offset[c] = std::clamp(offset[c], -most, most);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Estimates from the survey's sample, before the work: the number of points within a radius; the number of points of a
-/// spanning forest that are open (have unknown edges) at once; places that divide the forest's points into buckets.
+/// Estimates from the survey's sample, before the work: the number of points within a radius or in a slice; the time
+/// that neighbours take; the number of points of a spanning forest that are open (have unknown edges) at once; places
+/// that divide the forest's points into buckets.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +17,13 @@ namespace pointsweep {
 
 struct RadiusEstimate {
   double neighbors = 0;       ///< average number per point
-  double most_neighbors = 0;  ///< number for a point in the densest place of the sample
+  double most_neighbors = 0;  ///< largest number among the points of the sample that are looked at
 };
 
-/// Estimates the numbers of neighbours within a radius, for a cloud of `points` points. If fewer than 8 points of the
-/// sample lie within the radius of a point, the estimate follows from the distance of the 8th nearest one and the
-/// survey's dimension, within a factor of about two. Takes at most 0.1 s.
+/// Estimates the numbers of neighbours within a radius, for a cloud of `points` points, at up to 512 points of the
+/// sample. If fewer than 8 points of the sample lie within the radius of a point, the estimate follows from the
+/// distance of the 8th nearest one and the survey's dimension, within a factor of about two; a sample of all points is
+/// counted. Takes at most 0.1 s.
 RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, double radius);
 
 /// Estimates, for a cloud of `points` points, the most points between two planes across the axis, `width` apart.

@@ -23,7 +23,7 @@ constexpr std::uint64_t kMostWaitingBytes = 256 << 20;
 constexpr std::size_t kPieceBytes = 1 << 20;
 constexpr std::size_t kLeastRunBytes = 4096;
 
-/// A header in a run, before the records of a group.
+/// A header in a run, before each piece of the records of a group.
 struct GroupHead {
   std::uint32_t group, count;
 };
@@ -40,7 +40,7 @@ std::vector<std::uint32_t> order_by_group(const std::vector<std::uint32_t>& grou
 
 }  // namespace
 
-/// A run of records in the scratch, which is read back in sequence.
+/// A run, the bytes [begin, end) of the scratch, whose records are read back in sequence.
 class GroupedRecords::Run {
  public:
   Run(const Scratch& scratch, std::uint64_t begin, std::uint64_t end, std::size_t record_bytes, std::size_t room)
@@ -55,7 +55,7 @@ class GroupedRecords::Run {
   }
 
  private:
-  /// Passes the records after the header to `use`.
+  /// Passes the records after the header to `use`, in pieces of at most the room in memory, then reads the next header.
   void give_part(const Use& use) {
     for (std::size_t left = head_->count; left > 0;) {
       require(record_bytes_);
@@ -91,8 +91,8 @@ class GroupedRecords::Run {
   std::uint64_t next_, end_;  ///< bytes [next_, end_) of the scratch are not read yet
   std::size_t record_bytes_;
   std::vector<std::byte> held_;
-  std::size_t at_ = 0, filled_ = 0;  ///< part of held_ that was read and not used yet
-  std::optional<GroupHead> head_;    ///< header of the next group; none at the end
+  std::size_t at_ = 0, filled_ = 0;  ///< bytes [at_, filled_) of held_ are not used yet
+  std::optional<GroupHead> head_;    ///< header of the next records; none at the end
 };
 
 GroupedRecords::GroupedRecords(std::size_t record_bytes, std::uint64_t expected, std::uint64_t memory_bytes,

@@ -22,13 +22,14 @@
 
 namespace pointsweep {
 
-/// Collects records in any order and returns them group by group. When the memory is full, its records are sorted by
-/// group and written to scratch as a run. At the end, all runs are read at the same time, each in sequence. So records
-/// are written and read once, for any number of groups; nothing is written if all records fit.
+/// Collects records in any order and returns them group by group. When the memory is full, the records in it are sorted
+/// by group and written to scratch as a run. At the end, all runs are read at the same time, each in sequence. So each
+/// record is written and read once, for any number of groups; nothing is written if all records fit in memory.
 class GroupedRecords {
  public:
-  /// `expected`: about the number of records; memory for so many is reserved first. `memory_bytes`: limit for the
-  /// memory of this object; with many runs, at least 4 kB for each run are used.
+  /// `expected`: about the number of records; the first record reserves memory for so many, or for a full run.
+  /// `memory_bytes`: limit for the records in memory, besides a piece of about a megabyte; for_each() uses at least 4
+  /// kB, or one record, for each run.
   GroupedRecords(std::size_t record_bytes, std::uint64_t expected, std::uint64_t memory_bytes,
                  MakeScratch make_scratch);
 
@@ -56,7 +57,8 @@ class GroupedRecords {
   std::vector<std::uint64_t> run_ends_;  ///< offset in the scratch where each run ends
 };
 
-/// Throws Error if one of the files cannot be written, e.g. because it exists and may not be overwritten.
+/// Throws Error if one of the files with points outside of their buffer cannot be written, e.g. because it exists and
+/// may not be overwritten.
 void require_files_possible(const Divider& divider, std::span<const DividedFile> files);
 
 /// Writes the files of a divided output: large files one after another, several small files in parallel. Each file has
@@ -65,8 +67,8 @@ void require_files_possible(const Divider& divider, std::span<const DividedFile>
 class DividedFiles {
  public:
   /// Borrows the divider and the files. `memory_bytes`: DivisionRoom::bytes, of which at most a quarter holds small
-  /// files that wait to be written. `progress` gets the share of the records that are written or about to be written;
-  /// it may be empty, and may throw.
+  /// files that wait to be written. `progress` gets the share of all records, from 0 to 1, that take() has received; it
+  /// may be empty, and may throw.
   DividedFiles(const Divider& divider, const std::vector<DividedFile>& files, std::uint64_t memory_bytes,
                std::function<void(double share)> progress);
 
@@ -81,7 +83,7 @@ class DividedFiles {
   std::vector<std::string> warnings() const;
 
  private:
-  /// A small file whose records wait to be written in parallel with others.
+  /// A small file whose records wait to be written in parallel with other small files.
   struct Waiting {
     std::uint32_t file;
     std::vector<std::byte> records;
@@ -148,7 +150,7 @@ struct DivisionRoom {
 /// The least DivisionRoom::bytes.
 inline constexpr std::uint64_t kLeastDivisionBytes = 16 << 20;
 
-/// Collects records file by file (DividedRecords). After the last record it writes the files (DividedFiles).
+/// Collects records file by file (DividedRecords). finish() then writes the files (DividedFiles).
 class DividedWriter final : public Writer {
  public:
   /// Throws the errors of Divider() and of create_writer().

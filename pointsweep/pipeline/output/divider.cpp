@@ -22,15 +22,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// FileKey::first of the file for points without a finite x and y; no tile has this number.
+/// FileKey::first of the file for points whose x or y is not finite; no tile has this number.
 constexpr std::int64_t kUnplaced = std::numeric_limits<std::int64_t>::min();
 
 constexpr int kMostTileDigits = 17;
-/// Least size of a tile relative to a coordinate. For larger tiles the edges are distinct in float64, and the rounded
-/// quotient of a coordinate is the number of its tile or of a neighbour.
+/// If a tile is larger than this share of the coordinate and of the origin, edges near the coordinate are distinct in
+/// float64, and floor((coordinate - origin) / size) is the number of its tile or of an adjacent tile.
 constexpr double kLeastPart = 0x1p-48;
 
-/// Returns the least number of digits after the decimal point that represents the value exactly.
+/// Returns the least number of digits after the decimal point with which the text is read back as the same value, at
+/// most kMostTileDigits.
 int digits_of(double value) {
   int digits = 0;
   while (digits < kMostTileDigits && std::strtod(fmt::format("{:.{}f}", value, digits).c_str(), nullptr) != value)
@@ -43,7 +44,7 @@ fs::path with_name(const fs::path& pattern, const std::string& name) {
   return pattern.parent_path() / file.replace(file.find('*'), 1, name);
 }
 
-/// Replaces all characters except letters, digits, - and . by _.
+/// Replaces all characters except ASCII letters, digits, - and . by _.
 std::string as_file_name(std::string name) {
   for (char& c : name)
     if (!(c >= 'a' && c <= 'z') && !(c >= 'A' && c <= 'Z') && !(c >= '0' && c <= '9') && c != '-' && c != '.') c = '_';
@@ -146,7 +147,7 @@ void Divider::for_each_buffer(const std::byte* record, const FileKey& own,
                               const std::function<void(FileKey)>& use) const {
   if (is_unplaced(own)) return;
   const std::array<std::int64_t, 2> tile = {own.first, own.second};
-  std::array<std::array<bool, 3>, 2> reaches{};  // for each axis: the previous tile, the own tile, the next tile
+  std::array<std::array<bool, 3>, 2> reaches{};  // [axis][i]: whether the coordinate is in tile - 1 + i or its buffer
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const double coordinate = coordinate_of(axis, record);
     reaches[axis] = {coordinate < grid_->edge(axis, tile[axis]) + division_.tile_buffer, true,

@@ -19,10 +19,11 @@
 
 namespace pointsweep {
 
-/// Largest number of files of a run that may not overwrite files.
+/// Largest number of files of a divided output, in a run that may not overwrite files.
 inline constexpr std::size_t kMostFiles = 10'000;
 
-/// The identity of a file: the two numbers of a tile, or the value of the attribute and 0.
+/// The identity of a file: the numbers of its tile in x and in y; or the value of the attribute (a uint64 by its bits)
+/// and 0; or, for the file `unplaced`, the least int64 and 0.
 struct FileKey {
   std::int64_t first = 0, second = 0;
   friend auto operator<=>(const FileKey&, const FileKey&) = default;
@@ -41,17 +42,18 @@ struct DividedFile {
 std::size_t files_with_points(std::span<const DividedFile> files);
 
 /// Square tiles in x and y. Tile i of an axis holds [edge(i), edge(i + 1)), its lower edge included. edge(i) = origin +
-/// i * size in float64, with one rounding for the product and one for the sum. So each finite coordinate is in exactly
-/// one tile, which users can check by comparing float64 values.
+/// i * size in float64, with one rounding for the product and one for the sum. So each coordinate that tile_of()
+/// accepts is in exactly one tile, which users can check by comparing float64 values.
 class TileGrid {
  public:
   TileGrid(double size, const std::array<double, 2>& origin);
 
   double edge(std::size_t axis, std::int64_t tile) const { return origin_[axis] + static_cast<double>(tile) * size_; }
-  /// Returns the tile of a finite coordinate. Throws UsageError if the edges of tiles near it are not distinct in
-  /// float64.
+  /// Returns the tile of a finite coordinate. Throws UsageError if the size of a tile is at most 2^-48 of the
+  /// coordinate or of the origin, so that edges might be equal in float64.
   std::int64_t tile_of(std::size_t axis, double coordinate) const;
-  /// Returns the lower edge as a decimal number with as many decimals as size and origin: "500", "-62.5".
+  /// Returns the lower edge as a decimal number with as many digits after the point as the size or the origin has,
+  /// whichever has more: "500", "-62.5".
   std::string edge_text(std::size_t axis, std::int64_t tile) const;
 
  private:
@@ -61,13 +63,13 @@ class TileGrid {
 };
 
 /// Assigns points to files. The tile of a point follows from the coordinates that a reader of the output gets, after
-/// any rounding by the format. Points without a finite x and y have a file of their own, `unplaced`.
+/// any rounding by the format. With tiles, points whose x or y is not finite have a file of their own, `unplaced`.
 class Divider {
  public:
   /// `plan.path` is the path of the files, with a * for the name of each. Throws UsageError for an attribute that is
-  /// not one whole number for each point, and for buffers if the points already have an attribute `buffer`.
+  /// missing or not one whole number for each point, and for buffers if the points already have an attribute `buffer`.
   Divider(OutputPlan plan, const OutputDivision& division);
-  /// Throws the errors of create_writer().
+  /// Throws the errors of create_writer(), except for an existing file.
   void require_writable() const;
 
   /// Returns the plan of all files together. With buffers, its records have one attribute more than the records that
@@ -90,7 +92,7 @@ class Divider {
   OutputPlan plan_of(const DividedFile& file) const;
   /// Returns whether the file has the points that are in no tile.
   bool is_unplaced(const FileKey& key) const;
-  /// Throws UsageError if a run that may not overwrite files would write more than kMostFiles.
+  /// Throws UsageError if `files` is more than kMostFiles and the run may not overwrite files.
   void require_few(std::size_t files) const;
 
  private:
@@ -104,7 +106,7 @@ class Divider {
   std::optional<TileGrid> grid_;  ///< absent: an attribute divides the points
   std::array<Field, 2> xy_;       ///< x and y in the records, for tiles
   StoredCoordinate stored_;       ///< rounds a coordinate as the output's format does; null: exact
-  Field attribute_;               ///< field of the records whose values divide them
+  Field attribute_;               ///< field whose values divide the records
   std::string attribute_name_;    ///< name of the attribute in file names
 };
 

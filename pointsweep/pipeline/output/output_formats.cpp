@@ -81,7 +81,8 @@ class Naming {
       refuse(field, column_names(input_)[static_cast<std::size_t>(column - columns_.begin())], "");
   }
 
-  /// Replaces `old`, an attribute of the input that has the name of `field` in the output, or throws UsageError.
+  /// Allows the made field `field` to overwrite `old`, the field of the input with the same name in any spelling, or
+  /// throws UsageError.
   void meet(const Attribute& attribute, const std::string& own, const std::string& field, const Field& old) {
     if (old.count != 1) refuse(field, old.name, "");
     if (asked_to_replace({attribute.name, own, old.name, library_name_of(old.name)})) return;
@@ -115,15 +116,16 @@ class Naming {
   const std::string& input_name_;
   const Format* format_;  ///< format of the output; null if unknown
   const NamingRules& rules_;
-  std::vector<std::string> columns_;  ///< names of the columns that the input file stores, in lower case
-  std::set<std::string> taken_;       ///< stored names of made attributes, in lower case
-  std::set<std::string> unused_;      ///< names in `replace` that no made attribute has matched
+  /// Names under which the output stores the written fields of the input, in lower case.
+  std::vector<std::string> columns_;
+  std::set<std::string> taken_;   ///< names under which the output stores made fields, in lower case
+  std::set<std::string> unused_;  ///< names in `replace` that no made attribute has matched
   OutputNames out_;
 };
 
 struct Moves {
   std::vector<std::string> stages;  ///< names of stages, without repetition
-  std::array<bool, 3> axes{};       ///< x, y and z: true if a stage changes the coordinate
+  std::array<bool, 3> axes{};       ///< x, y and z: true if a stage may move the coordinate to another system
 };
 
 /// Records the coordinates that stage `op`, which makes positions, may move to another coordinate system.

@@ -26,8 +26,8 @@ std::shared_ptr<const KnownValues> of_kept_fields(std::shared_ptr<const KnownVal
   return some;
 }
 
-/// Returns the schema with its columns in the order of Chain::keep. LAS and writers that write no file have their own
-/// order.
+/// Returns the schema with its columns in the order of Chain::keep. The schema is unchanged for LAS, which has its own
+/// order, and for writers that write no file.
 Schema listed_schema(const Schema& schema, const std::filesystem::path& output, const KeptFields& kept,
                      const std::vector<Attribute>& made) {
   const Format* const format = format_of_output(output);

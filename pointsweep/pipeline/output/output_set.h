@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The files of a run, opened before the work and completed after it.
+/// The outputs of all points of a run, or of one of its tiles (tile_set.h): a point file or the files of a division,
+/// arrays, and a writer of the caller. They are opened, filled in the order of the rows, and completed.
 #pragma once
 
 #include <deque>
@@ -19,8 +20,8 @@
 
 namespace pointsweep {
 
-/// The parts of an OutputPlan that a run decides: values that formats need before the first record, memory, scratch
-/// files and progress.
+/// The parts of an OutputPlan, and the memory of a division, that a run decides: values that formats need before the
+/// first record, memory, scratch files and progress.
 struct OutputPlace {
   std::optional<Box> bounds;                           ///< OutputPlan::bounds
   std::shared_ptr<const KnownValues> values;           ///< OutputPlan::values
@@ -43,15 +44,16 @@ OutputPlan plan_of_output(const InputCloud& cloud, const Schema& records, const 
 
 class OutputSet {
  public:
-  /// Throws before any work for unknown formats, existing files, missing folders and unknown attributes. `provenance`
-  /// is OutputPlan::provenance.
+  /// Opens the outputs. Throws for unknown formats, existing files, missing folders, and arrays of attributes that the
+  /// chain does not make. `provenance` is OutputPlan::provenance.
   OutputSet(const InputCloud& cloud, const OutputNames& names, const Outputs& outputs, const EngineOptions& options,
             OutputPlace place, std::vector<std::string> provenance = {});
 
   const OutputLayout& layout() const { return layout_; }
-  /// Returns one sentence for each property that the formats of the files cannot hold.
+  /// Returns the warnings of the writers of points, and the sentence of FloatRounding. Must be called after finish().
   std::vector<std::string> warnings() const;
-  /// Writes the next rows in input order: reads these rows of the cloud and appends the results to them.
+  /// Writes the next rows in input order, from `first_row` on: joins the results to these rows of the cloud, and writes
+  /// the arrays. Writes nothing if the chain makes no attributes.
   void write_results(InputCloud& cloud, std::uint64_t first_row, std::span<const std::byte> results);
   /// Writes the next whole records of layout().
   void write_records(std::span<const std::byte> records);
@@ -60,12 +62,12 @@ class OutputSet {
   /// Writes records like write_inputs(), but at once if no earlier records are still being collected into a larger
   /// piece. `records` has unspecified content afterwards.
   void write_piece(std::uint64_t first_row, std::vector<std::byte>& records);
-  /// Waits until all rows written so far are in the files.
+  /// Waits until the writers have taken all rows written so far.
   void flush();
   /// Completes the files and renames them to their destinations. Throws Error if an input has changed.
   void finish(const InputCloud& cloud);
   std::uint64_t bytes_written() const;
-  /// Returns the number of complete point files.
+  /// Returns the number of complete point files, a writer of the caller counted as one. Must be called after finish().
   std::size_t files_written() const;
 
  private:
@@ -85,7 +87,7 @@ class OutputSet {
   std::filesystem::path name_;  ///< name of the output in messages; empty if the output is not a file
   std::size_t result_bytes_ = 0;
   WriteBehind points_;
-  const DividedWriter* divided_ = nullptr;  ///< element of points_ that divides its output; null if none does
+  const DividedWriter* divided_ = nullptr;  ///< writer in points_ that divides the output; null if none does
   std::deque<Array> arrays_;
   std::optional<ParallelRows> input_rows_;  ///< reads rows of the cloud; made with the first results
   std::vector<std::byte> inputs_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Warnings about the files of a run: the warnings of many writers without repetition, and the rounding of coordinates
-/// that an output stores as float32.
+/// Sentences about the files of a run: the warnings of many writers without repetition, how many outputs are complete,
+/// and the rounding of coordinates that an output stores as float32.
 #pragma once
 
 #include <cstddef>
@@ -40,14 +40,14 @@ std::string complete_outputs_text(std::size_t complete, std::size_t all);
 class FloatRounding {
  public:
   /// `input`: fields of the input. `output`: fields of the records. Ignores all records unless the output has float32
-  /// coordinates, and the input has coordinates of another type or a stage moves the points.
+  /// coordinates, and the input has scaled coordinates or another type, or a stage moves the points.
   FloatRounding(const Schema& input, const std::vector<Attribute>& made, const Schema& output);
 
   /// Takes whole records of the output.
   void see(std::span<const std::byte> records);
   /// Returns "x, y and z are stored as float32, which rounds them by at most 0.25; ...". The bound is half a step of
   /// float32 at the coordinate farthest from 0. The sentence proposes a translation if that makes the bound at least 16
-  /// times smaller. Empty if nothing is rounded.
+  /// times smaller. Empty if records are ignored, or if all finite coordinates are 0.
   std::string sentence() const;
 
  private:

@@ -52,7 +52,7 @@ void SweepOrderSink::recalled(const Finished& points) {
   store(points, inputs, places);
 }
 
-/// Assembles the output records of points from the records of the input, and stores them at their places.
+/// Assembles output records from the points' input records and results, and stores the output records at `places`.
 void SweepOrderSink::store(const Finished& points, const std::vector<std::byte>& inputs,
                            const std::vector<std::uint64_t>& places) {
   std::vector<std::byte> outputs(points.size * layout_.schema().stride);

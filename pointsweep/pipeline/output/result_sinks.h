@@ -17,7 +17,7 @@
 
 namespace pointsweep {
 
-/// A sink for Order::input: stores result records by input row. Row `first_row` of the stream becomes row 0.
+/// A sink for Order::input: stores result records by input row. The result of input row `first_row` is stored as row 0.
 class InputOrderSink final : public Sink {
  public:
   InputOrderSink(RowStore& store, std::uint32_t result_bytes, std::uint64_t first_row = 0)
@@ -66,7 +66,8 @@ class SweepOrderSink final : public Sink {
   const OutputLayout& layout_;
   std::uint32_t input_stride_;
   std::mutex mutex_;
-  std::vector<std::shared_ptr<Open>> slabs_;  ///< null before the slab is read and once it is complete
+  /// By slab: null before the slab is read, and once all its points are finished or deferred.
+  std::vector<std::shared_ptr<Open>> slabs_;
   /// Deferred points, which Recall (sweep/recall.h) finishes after the sweep, by slab and index in the slab.
   std::map<std::pair<std::uint32_t, std::uint32_t>, Kept> kept_;
 };

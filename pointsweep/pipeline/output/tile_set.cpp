@@ -38,7 +38,8 @@ RowSelection selected_rows(std::shared_ptr<const RowSelection> all, std::uint64_
           }};
 }
 
-/// Returns the field of one input from which the field `name` of the whole cloud comes.
+/// Returns the index of the field of one input from which the field `name` of the whole cloud comes; nullopt if the
+/// input has no such field.
 std::optional<std::size_t> own_field(const Schema& own, const std::string& name) {
   const auto same = std::ranges::find(own.fields, name, &Field::name);
   if (same != own.fields.end()) return static_cast<std::size_t>(same - own.fields.begin());
@@ -58,7 +59,8 @@ KeptFields kept_of(const KeptFields& kept, const Schema& all, const Schema& own)
   return mine;
 }
 
-/// Returns the names in `replace` of attributes of this input. The other names belong to other inputs.
+/// Returns the names in `replace` that mean a field of this input, or a made attribute with a field that this input
+/// has, too. The other names belong to other inputs.
 std::vector<std::string> replaced_in(const Schema& own, const std::vector<std::string>& replace,
                                      const std::vector<Attribute>& made) {
   std::vector<std::string> some;
@@ -77,7 +79,8 @@ Box bounds_of(InputCloud& cloud) {
   return survey(source_of(cloud), std::nullopt, true).bounds;
 }
 
-/// Returns whether a point of the tile has moved. The rows of the tile begin at `first` in the whole cloud.
+/// Returns whether a point of the tile has moved, or has a NaN coordinate. The rows of the tile begin at `first` in the
+/// whole cloud.
 bool has_moved_points(InputCloud& tile, const MovedPoints& moved, std::uint64_t first) {
   constexpr std::uint64_t kRows = 1 << 14;
   const std::size_t stride = tile.schema().stride, bytes = moved.rows->record_bytes();
@@ -109,7 +112,7 @@ OutputNames names_of_tile(const TileRequest& request, const InputCloud& tile) {
 /// The properties of a tile on which the checks of try_tile() depend.
 struct KindOfTile {
   const Format* format;
-  Schema schema;  ///< fields of the input, without the offsets of grids
+  Schema schema;  ///< fields of the input, with Field::bias (the offset of a grid) set to 0
 
   friend bool operator==(const KindOfTile&, const KindOfTile&) = default;
 };
@@ -120,7 +123,7 @@ KindOfTile kind_of(const TileRequest& request, std::size_t tile) {
   return kind;
 }
 
-/// Checks a tile: opens its file and removes it again.
+/// Checks a tile: the names of its attributes, and its file, which is opened and removed again.
 void try_tile(const TileRequest& request, std::size_t tile) {
   const fs::path& output = request.outputs.tiles[tile];
   const InputCloud cloud = cloud_of_input(request.cloud, tile);
@@ -193,8 +196,8 @@ void TileSet::open_next() {
                        std::move(place), request_.provenance(cloud, t));
 }
 
-/// Returns the values that the format needs. Tiles with moved points share one grid; other tiles keep the grid of their
-/// input.
+/// Returns the bounds and values that the format needs. Tiles with moved points share one grid; other tiles keep the
+/// grid of their input.
 OutputPlace TileSet::place_of_tile(InputCloud& cloud, const Format* format, std::uint64_t first) const {
   const FileLayout& layout = request_.options.layout;
   const std::shared_ptr<KnownValues> values =
@@ -257,8 +260,9 @@ void TileSet::require_unchanged_inputs() {
     request_.cloud.require_unchanged();
 }
 
-/// Divides the next `rows` rows of the cloud among their tiles. Calls write(tile, row, skip, part) for each tile: the
-/// tile gets `part` rows, from its row `row` on, after earlier tiles got `skip` of the `rows`.
+/// Divides the next `rows` rows of the cloud among their tiles. Calls write(tile, row, skip, part) for each tile,
+/// except tiles that an earlier process has finished: the tile gets `part` rows, from its row `row` on, after earlier
+/// tiles got `skip` of the `rows`.
 void TileSet::for_each_part(std::uint64_t rows, const WriteRows& write) {
   for (std::uint64_t skip = 0; skip < rows;) {
     if (!tile_) open_next();

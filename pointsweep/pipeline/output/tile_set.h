@@ -33,7 +33,7 @@ struct MovedPoints {
   Box bounds;  ///< bounds of all tiles
   /// The grid of the inputs, if there is one. All tiles with moved points use it, as one output of all points would.
   std::optional<LasQuantization> grid;
-  const RowFile* rows;   ///< rows that the last pass has made
+  const RowFile* rows;   ///< records that the last pass has carried, by row
   std::size_t position;  ///< offset of the moved position in a record of `rows`: three float64
 };
 
@@ -53,7 +53,8 @@ struct TileRequest {
 };
 
 /// Throws for errors that can be found before the work: outputs that exist or cannot be written, attributes that would
-/// be overwritten, formats that cannot hold the made attributes. Makes missing folders of the tiles with `folders`.
+/// be overwritten, formats that cannot hold the made attributes. Skips tiles in `finished`, and checks names and
+/// formats once for tiles that are alike. Makes missing folders of the tiles with `folders`.
 void require_writable_tiles(const TileRequest& request, const FinishedTiles& finished, MadeFolders& folders);
 
 /// Writes one tile for each input. Tiles receive their rows one after another; several are completed in parallel. A

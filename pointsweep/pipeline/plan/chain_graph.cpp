@@ -109,8 +109,8 @@ class GraphBuilder {
     }
   }
 
-  /// Throws UsageError if the cloud has an attribute named like one of `helpers`, the attributes that the stage makes
-  /// and drops again.
+  /// Throws UsageError if the input or an earlier stage has an attribute named like one of `helpers`, which the
+  /// composite `stage` makes and drops again.
   void refuse_any(const std::vector<std::string>& helpers, const std::string& stage) const {
     for (const std::string& name : helpers)
       if (visible_.find(name) || std::ranges::find(made_, name, &Attribute::name) != made_.end())
@@ -164,7 +164,7 @@ class GraphBuilder {
   }
 
   /// Returns the version of `wanted` that the cloud has after the stages before the neighbourhoods of `rule`. Throws
-  /// UsageError if the cloud has no such attribute there.
+  /// UsageError if the cloud then has no such attribute, or has it as an array.
   std::size_t version_ruled_by(const Attribute& wanted, const NeighborhoodRule& rule) {
     const Schema cloud = with_carried(visible_, made_);
     const auto meant = field_meant(cloud, wanted.name);
@@ -178,7 +178,7 @@ class GraphBuilder {
     return made.empty() ? input_version(wanted) : latest_.at(made);
   }
 
-  /// Returns the node that reduces the attributes to a value. Stages whose reductions, versions and rows are equal
+  /// Returns the number of the node that computes `reduction`. Equal reductions of the same versions over the same rows
   /// share a node.
   std::size_t reduce_node(const std::shared_ptr<const Reduction>& reduction, const std::string& stage) {
     GraphNode node{.what = reduction};

@@ -28,11 +28,11 @@ struct AttributeVersion {
 
 /// A node. Versions are indices into ChainGraph::versions, nodes are indices into ChainGraph::nodes.
 struct GraphNode {
-  /// The content: an operator, the neighbourhood of all later operators, or a value that is reduced from the whole
-  /// cloud.
+  /// The content: an operator, the neighbourhood of the operators up to the next neighbourhood, or a value that is
+  /// reduced from the whole cloud.
   std::variant<StageOperator, Neighborhood, std::shared_ptr<const Reduction>> what;
-  std::string stage = {};               ///< name of the operator, or of the composite that contains it
-  std::vector<std::size_t> reads = {};  ///< versions, in the order of Contract::reads
+  std::string stage = {};               ///< name of the operator, or of its composite; empty for other nodes
+  std::vector<std::size_t> reads = {};  ///< versions, in the order of the reads of `what`
   std::vector<std::size_t> reads_neighbors = {};
   std::vector<std::size_t> makes = {};
   std::vector<std::size_t> values = {};      ///< reduce nodes (with a Reduction) whose values the operator needs
@@ -54,7 +54,7 @@ struct ChainGraph {
   std::vector<GraphNode> nodes;  ///< the first is the neighbourhood with which the chain begins
   std::vector<AttributeVersion> versions;
   /// The last version of every made attribute that no later stage drops, in the order in which the attributes were
-  /// first made. The attributes that selects and Resorts make are not among them.
+  /// first made (after a drop: made again). selection_attribute() and stream_position_attribute() are not among them.
   std::vector<std::size_t> made;
   /// The node whose Reduction finds the box of the moved positions, if the output needs this box before its first
   /// record.
@@ -77,9 +77,10 @@ struct OutputNeeds {
   bool bounds = false;        ///< its format needs the box of moved points before the first record
 };
 
-/// Resolves a chain for a cloud with the fields of `input`. Throws UsageError if k is 0, a radius is negative, an
-/// operator reads an attribute that neither the input nor an earlier stage has, a rule of neighbourhoods reads an
-/// attribute that the cloud does not have, or a Drop names fields that cannot be dropped.
+/// Resolves a chain for a cloud with the fields of `input`. Throws UsageError if the chain does not fit the fields, for
+/// example if k is 0, a radius is negative, an operator reads an attribute that neither the input nor an earlier stage
+/// has, a rule of neighbourhoods reads an attribute that the cloud does not have, or a Drop names fields that cannot be
+/// dropped.
 ChainGraph resolve(const Chain& chain, const Schema& input, OutputNeeds needs);
 
 /// Returns `before`, in which attributes of `made` replace the attributes with the same names. Other attributes of
@@ -87,7 +88,7 @@ ChainGraph resolve(const Chain& chain, const Schema& input, OutputNeeds needs);
 std::vector<Attribute> updated(std::vector<Attribute> before, const std::vector<Attribute>& made);
 
 /// Returns `input` with the fields of `carried`: attributes that earlier passes made, whose values follow the record of
-/// `input` one after another. A carried field takes the place and the name of the field of `input` with the same name
+/// `input` one after another. A carried field takes the index and the name of the field of `input` with the same name
 /// in any spelling (Schema::find()).
 Schema with_carried(const Schema& input, const std::vector<Attribute>& carried);
 

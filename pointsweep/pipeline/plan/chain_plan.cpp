@@ -166,8 +166,8 @@ void put_in_order(PlannedPass& pass, const Attributes& order) {
   }
 }
 
-/// Finds the made attributes and the fields of the input that are written: those that Chain::keep names, or all,
-/// without dropped fields.
+/// Finds the made attributes and the fields of the input that are written: those that Chain::keep keeps
+/// (kept_fields()), or all, without dropped fields. Throws UsageError if a chain with stages has no effect.
 void find_written(ChainPlan& plan, const Schema& input) {
   plan.made = plan.graph.made_attributes();
   Schema visible{{}, input.stride};

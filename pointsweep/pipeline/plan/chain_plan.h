@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// The plan of a chain: its graph, cut into passes over the cloud. A pass ends where a later stage needs a fact that is
-/// known only when the pass has ended: the neighbours of moved points, neighbours among the kept rows, or a value of
-/// the whole cloud (docs/adr/0006, docs/adr/0009). The run, the dry run, the memory plan, the identity of a resumable
-/// run, the reference engine and `verify` read this one plan.
+/// known only when the pass has ended: the neighbours of moved points, the rows that a select has kept, an attribute of
+/// a stage that connects points or orders them, or a value of the whole cloud (docs/adr/0006, docs/adr/0009). The run,
+/// the dry run, the memory plan, the identity of a resumable run, the reference engine and `verify` read this one plan.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ struct PlannedValue {
   std::size_t number;  ///< index of the reduce node in ChainGraph::nodes
 };
 
-/// A column of values that a pass holds for each point in memory: one version of an attribute.
+/// A column: the values of one version of an attribute that a pass holds for points in memory.
 struct ColumnPlan {
   std::string attribute;
   std::string made_by;  ///< "the file", "a pass before", or number and name of a stage: "2 normals"
@@ -41,16 +41,17 @@ enum class PassKind : std::uint8_t {
           ///< each (Places)
 };
 
-/// One pass. It sees the cloud as a file in which attributes made by earlier passes replace attributes of the input.
+/// One pass. A pass sees the cloud as a file in which attributes made by earlier passes replace attributes of the input
+/// or are added.
 struct PlannedPass {
   PassKind kind = PassKind::sweep;
   std::vector<std::size_t> nodes;  ///< graph node of each stage of `plan`
-  /// The stages, steps and columns. A pass that selects makes the kept attributes and selection_attribute().
+  /// The stages, steps and columns. The result records of a pass that selects also contain selection_attribute().
   SweepPlan plan;
   std::vector<ColumnPlan> columns;  ///< the columns of `plan`, by number
   /// For each of plan.file_columns, the names of the fields of `input` that fill the column.
   std::vector<std::vector<std::string>> file_fields;
-  /// The last version of every attribute made and kept, in the order first made, which is the order in result records.
+  /// The last version of every attribute that the pass makes and keeps, in the order of result records.
   std::vector<Attribute> made;
   /// The fields of the cloud as the pass sees it: first the fields of the input's record, then the carried values.
   Schema input;
@@ -71,7 +72,8 @@ struct PlannedPass {
   std::vector<std::byte> fill_record() const;
   /// Returns the stage that emits edges; null if there is none. Its attributes are known when the sweep has ended.
   const Stage* connecting_stage() const;
-  /// Returns the indices of the fields of `input` that the working records of the pass must contain.
+  /// Returns the indices of the fields of `input` that the working records of the pass must contain besides the
+  /// coordinates.
   std::vector<std::size_t> payload() const;
   /// Sets plan.file_columns: replaces the names in `file_fields` by indices of fields of `working_record`.
   void bind(const Schema& working_record);
@@ -94,7 +96,7 @@ struct ChainPlan {
   /// True if a last phase puts the output in the order of the sweep, because no pass leaves the results in that order.
   bool reorders = false;
   /// True if the output is ordered by stream_position_attribute(), the last attribute that the last pass carries; false
-  /// if it is ordered by the positions of the input.
+  /// if it is ordered by the positions of the input, or by input rows.
   bool by_moved_positions = false;
 
   bool selects() const { return graph.drops_rows(); }
@@ -110,10 +112,11 @@ struct ChainPlan {
   std::uint64_t most_carried_bytes() const;
 };
 
-/// Plans a chain. Throws the errors of resolve(), and UsageError if an attribute to keep is unknown, or if the chain
-/// has stages but makes, drops and selects nothing. The number of passes is minimal: stages run in the first pass in
-/// which all attributes that they read exist, and passes without needed results are omitted. If the graph reads row
-/// numbers (reads_input_rows()), the run needs a cloud with row numbers: InputCloud::numbered().
+/// Plans a chain. Throws the errors of with_named_neighborhoods() and resolve(), and UsageError if an attribute to keep
+/// is unknown, or if the chain has stages but makes, drops and selects nothing. To keep the number of passes small,
+/// stages run in the first pass in which all attributes that they read exist, and passes without needed results are
+/// omitted. If the graph reads row numbers (reads_input_rows()), the run needs a cloud with row numbers:
+/// InputCloud::numbered().
 ChainPlan plan_chain(const Chain& chain, const Schema& input, OutputNeeds needs = {});
 
 }  // namespace pointsweep

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The attributes of an output: Chain::keep, resolved against the attributes of the input and the made ones.
+/// Lists of attribute names, as in Chain::keep and Drop, resolved against the fields of the input and of made
+/// attributes.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +22,8 @@ struct KeptFields {
 };
 
 /// Returns `schema`, the fields of an output with the made attributes `made`, sorted for Chain::keep: first the fields
-/// of the input that it does not name, and x, y and z unless it names all three; then the named fields, in its order;
-/// last the other made fields. Offsets do not change.
+/// of the input that Chain::keep does not name, and x, y and z unless all three are named; then the named fields, in
+/// the order of Chain::keep; last the other made fields. Offsets do not change.
 Schema in_named_order(Schema schema, const KeptFields& kept, const std::vector<Attribute>& made);
 
 /// Returns the fields that `names` keep. A name means the first match of: a made attribute ("normal") or a field of one

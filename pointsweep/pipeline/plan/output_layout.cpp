@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kBlock = 256;  ///< number of records assembled at a time; they fit in the L1 cache
+constexpr std::size_t kBlock = 256;  ///< number of records assembled at a time; usual ones fit in the L1 cache
 
 void convert_values(const Field& from, const std::byte* records, std::size_t from_stride, const Field& to,
                     std::byte* outputs, std::size_t to_stride, std::size_t n) {
@@ -27,7 +27,8 @@ std::string range_text(const Field& field) {
   return std::string(name_of(field.type));
 }
 
-/// Notes in `refused` the rows with a value that the field `to` cannot hold, or that an integer field would round.
+/// Notes in `refused` the rows with a value that the field `to` cannot hold, or that an integer field without scale
+/// would round.
 void note_refused(const Field& from, const Field& to, const std::byte* records, std::size_t stride, std::size_t n,
                   RowNumbers rows, FirstRowError& refused) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -73,7 +74,7 @@ OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& ma
 }
 
 /// Returns the fields of the input that get another type, from the made attribute that replaces them or from
-/// `positions`. Bit fields share their bytes with others and keep their storage.
+/// `positions`. Bit fields, which share their bytes with others, and arrays keep their storage.
 OutputLayout::Types OutputLayout::replaced(const Schema& input, const std::vector<Attribute>& made,
                                            const KeptFields& kept, std::optional<Type> positions) {
   Types types;

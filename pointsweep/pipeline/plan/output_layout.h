@@ -26,9 +26,10 @@ struct RowNumbers {
   std::uint64_t of(std::size_t i) const { return each != nullptr ? each[i] : first + i; }
 };
 
-/// The layout of output records: the record of the input unchanged, or its kept fields without gaps; then the made
-/// values. A made attribute replaces an attribute of the input of the same name at its place, with its own type, so
-/// that no value is rounded to the input's type. Bit fields keep their storage.
+/// The layout of output records: the record of the input without the number of its row, or its kept fields without
+/// gaps; then the other made fields. A made field replaces the field of the input of the same name at its place, with
+/// the made type, so that no value is rounded to the input's type; but bit fields keep their storage, to which made
+/// values are converted.
 class OutputLayout {
  public:
   /// `positions`: type of x, y and z, moved or not; absent: the type of the input, or float64 for moved points.
@@ -39,7 +40,7 @@ class OutputLayout {
   /// Returns whether output records equal records of the input, so that they need no assembly.
   bool passes_inputs() const;
   /// Makes `n` output records of schema() from `n` records of the input and `n` result records. Throws RowError for the
-  /// lowest row with a value that its field cannot hold, or that a field of whole numbers would round.
+  /// lowest row with a value that its field cannot hold, or that an integer field without scale would round.
   void assemble(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs,
                 RowNumbers rows = {}) const;
   /// Assembles successive records on all threads. `results` is null if nothing is made. `first`: the first row.

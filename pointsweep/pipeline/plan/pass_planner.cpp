@@ -35,8 +35,9 @@ class PassPlanner {
     stage.position = column_moved_to(node);
     for (const std::size_t v : node.reads) stage.reads.push_back(column_of(v));
     for (const std::size_t v : node.reads_neighbors) stage.reads_neighbors.push_back(column_of(v));
-    // A stage that uses neighbours reads their moved positions if an earlier stage has moved the points. So it waits,
-    // in a new step, until the neighbours have been moved.
+    // A stage that uses neighbours reads their moved positions if an earlier stage of the pass has moved the points.
+    // So, after a stage that moves points in this step, it begins a new step, which waits until the neighbours have
+    // moved.
     const bool sees_moved = contract_of(op).default_k > 0 && stage.position >= 0 &&
                             made_in_this_step(static_cast<std::uint16_t>(stage.position));
     const auto is_new = [&](std::uint16_t column) { return made_in_this_step(column); };

@@ -40,7 +40,7 @@ class PassSchedule {
     if (begins_with_input_values(graph)) new_pass(PassKind::rows);
   }
 
-  /// A pass with only pointwise stages needs no search and reads just the rows.
+  /// Returns the passes. A pass with only pointwise stages needs no search, so it becomes a pass over the rows.
   std::vector<ScheduledPass> passes() {
     for (std::size_t n = 1; n < graph_.nodes.size(); ++n) add(n);
     const auto needs_no_search = [&](std::size_t n) { return is_pointwise(*graph_.nodes[n].op()); };
@@ -50,13 +50,15 @@ class PassSchedule {
   }
 
  private:
-  /// Numbers of the passes that can read an attribute.
+  /// Numbers of the passes between which an attribute may be read.
   struct Use {
-    /// The first of these passes: the pass of the stage that makes the attribute, or the pass after it if the stage
-    /// connects neighbours.
+    /// The first pass that can read the attribute: the pass of the stage that makes it, or the pass after it if the
+    /// stage connects neighbours; the first pass of the segment if none of its stages makes the attribute.
     std::size_t known_from = 0;
-    std::size_t last_read = 0;  ///< last pass planned so far that reads the attribute; no earlier pass may change it
-    bool is_made = false;       ///< made by a stage of this segment
+    /// The last pass planned so far that reads or makes the attribute, or follows a pass that reduces it. No earlier
+    /// pass may change the attribute.
+    std::size_t last_read = 0;
+    bool is_made = false;  ///< made by a stage of this segment
   };
 
   void add(std::size_t node) {
@@ -65,7 +67,8 @@ class PassSchedule {
                             neighborhood_ = node;
                             begin_segment();
                           },
-                          [](const std::shared_ptr<const Reduction>&) {}},  // known_after_values() assigns it to a pass
+                          // known_after_values() assigns reductions to passes.
+                          [](const std::shared_ptr<const Reduction>&) {}},
                graph_.nodes[node].what);
   }
 
@@ -189,8 +192,8 @@ class PassSchedule {
       used_[a.name] = {.known_from = known_from, .last_read = pass, .is_made = true};
   }
 
-  /// Returns the use of an attribute. An attribute that no stage of this segment has used yet exists from its first
-  /// pass on.
+  /// Returns the use of an attribute. An attribute that no stage of this segment has used yet exists from the first
+  /// pass of the segment on.
   Use use_of(const std::string& attribute) const {
     const auto used = used_.find(attribute);
     return used != used_.end() ? used->second : Use{segment_, segment_};

@@ -22,11 +22,12 @@ struct ScheduledPass {
   bool connects = false;  ///< one of its stages emits edges; the attributes of that stage are known after the pass
 };
 
-/// Assigns the nodes of a graph to passes, one after another. Each node goes to the first pass in which every attribute
-/// and value that it reads is known, but to no pass before the last one in which an earlier node reads an attribute
-/// that the node changes. So one pass computes several independent values. A stage that drops rows, or a new
-/// neighbourhood, ends a segment: the nodes after it run in later passes than the nodes before it. For example,
-/// these are the passes of
+/// Assigns the operators and reductions of a graph to passes, one after another. An in-order operator gets a pass of
+/// its own, and a select runs in the last pass of its segment. Each other node goes to the first pass in which every
+/// attribute and value that it reads is known, but to no pass before the last one in which an earlier node reads an
+/// attribute that the node changes. So one pass computes several independent values. A stage that drops rows, or a new
+/// neighbourhood, ends a segment: the nodes after it run in later passes than the nodes before it. For example, these
+/// are the passes of
 /// `normals | sor | curvature | where(outlier == 0) | reneighbor | normals`:
 ///
 ///   0, a sweep: normals, mean_distance (a part of sor), curvature; at its end, statistics of mean_distance are known
@@ -36,9 +37,9 @@ struct ScheduledPass {
 /// Throws UsageError for a stage that needs the neighbours which points had before an earlier pass moved them.
 std::vector<ScheduledPass> schedule_passes(const ChainGraph& graph);
 
-/// Fills the plan, columns and fields of `pass`, whose `input` is the cloud as the pass sees it, with the nodes of
-/// `scheduled`. `carried`: attributes carried into this pass. `first_stage`: number of stages in earlier passes.
-/// `kept`: names of the attributes that the pass makes and keeps.
+/// Fills `plan`, `nodes`, `columns`, `file_fields` and `made` of `pass`, whose `input` is the cloud as the pass sees
+/// it, with the nodes of `scheduled`. `carried`: attributes carried into this pass. `first_stage`: number of stages in
+/// earlier passes. `kept`: names of the attributes that the pass makes and keeps.
 void plan_columns(const ChainGraph& graph, const ScheduledPass& scheduled, const std::vector<Attribute>& carried,
                   std::size_t first_stage, const std::vector<std::string>& kept, PlannedPass& pass);
 
