@@ -20,7 +20,7 @@
 namespace pointsweep {
 namespace {
 
-/// Stores the other cloud in cells before the first point comes.
+/// Stores the other cloud in cells in the constructor, and finds the nearest of its points in add().
 class DistanceToWork final : public InOrderWork {
  public:
   DistanceToWork(double most, const InOrderSetup& setup)
@@ -53,7 +53,8 @@ const OptionTable<DistanceToOptions>& distance_to_options() {
   return table;
 }
 
-/// Makes cloud_distance: the distance to the nearest point of another cloud, sqrt((dx² + dy²) + dz²) in float64.
+/// Makes cloud_distance: the distance to the nearest point of another cloud, sqrt((dx² + dy²) + dz²) in float64; NaN if
+/// no point is within DistanceToOptions::most.
 class DistanceTo final : public InOrderOperator {
  public:
   /// Throws UsageError for options outside of their ranges.

@@ -22,11 +22,12 @@
 namespace pointsweep {
 namespace {
 
-/// Number of points that a thread compares with one PointCells::View.
+/// Number of points that a thread compares at a time, with one PointCells::View.
 constexpr std::size_t kPointsAtOnce = 256;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// Statistics of the points of one cloud inside a cylinder: their coordinates along its axis, and their number.
+/// Statistics of the points of one cloud inside a cylinder: mean and standard deviation (n - 1) of their coordinates
+/// along its axis, and their number n. The mean of none, and the deviation of fewer than two, are NaN.
 struct Section {
   double mean = kUnknown, spread = kUnknown;
   std::size_t count = 0;
@@ -48,13 +49,13 @@ Section section_of(std::vector<double>& along) {
   return section;
 }
 
-/// A cylinder around a point, along a normal.
+/// A cylinder along a normal, which reaches `depth` to each side of its centre.
 class Cylinder {
  public:
   Cylinder(Vec3 center, Vec3 normal, double diameter, double depth)
       : center_(center), axis_((1 / length(normal)) * normal), radius_(diameter / 2), depth_(depth) {}
 
-  /// Returns a box slightly larger than the cylinder.
+  /// Returns a box around the cylinder, slightly larger than necessary.
   Box box() const {
     Vec3 half;
     for (int a = 0; a < 3; ++a) {

@@ -52,7 +52,7 @@ bool is_channel(const std::string& name) {
   return word == "red" || word == "green" || word == "blue";
 }
 
-/// Returns whether red, green and blue all have 8 or all have 16 bits, as whole fields or as bits of a packed field.
+/// Returns whether red, green and blue are single values, all of type uint8 or all of type uint16 by type_of_values().
 bool has_colors(const Schema& schema) {
   std::vector<Type> types;
   for (const char* name : {"red", "green", "blue"}) {
@@ -86,8 +86,9 @@ class Take final : public InOrderOperator {
   /// Throws UsageError for an attribute that the other cloud lacks, with the most similar names, and for a field that
   /// is an array or named twice.
   std::shared_ptr<const InOrderOperator> bound_to_other(const Schema& other) const override;
-  /// Throws UsageError if the type of an attribute cannot hold `missing`, or if the type of a new attribute has no
-  /// value for points without a result.
+  /// Throws UsageError if an attribute of whole numbers cannot hold `missing`, if a new attribute of whole numbers has
+  /// no value for points without a point within `most`, or if a name means several values or two names the same
+  /// attribute.
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override { return start_taking(rules_, setup); }
   std::uint64_t least_bytes(const CloudEstimate&) const override {

@@ -61,7 +61,8 @@ std::optional<VotedValue> vote_of(TakeVote vote, const std::byte* first, std::si
   return voted(majority_of(list, sorted));
 }
 
-/// Converts a colour channel between 8 and 16 bits, so that its brightness is unchanged.
+/// Converts a colour channel from 8 to 16 bits, or from 16 to 8 with rounding, so that its brightness is kept. With
+/// other types the value is unchanged.
 VotedValue with_brightness(VotedValue value, Type from, Type to) {
   if (from == Type::u8 && to == Type::u16) {
     value.whole *= kWideOfNarrow, value.real *= kWideOfNarrow;
@@ -113,7 +114,8 @@ bool put_value(const VotedValue& value, const TakenAttribute& taken, bool rounds
 }
 
 /// TakeWork finds the nearest points of a block of points, and then reads their values. kFoundAtOnce: about the number
-/// of nearest points of a block. kLeastPlaces: least number of points of a block, which large k would make too small.
+/// of nearest points of a block. kLeastPlaces: least number of points that a block may have, since large k would make
+/// blocks too small.
 constexpr std::uint64_t kFoundAtOnce = 1 << 18, kLeastPlaces = 4096;
 /// Number of points to which a thread gives values at a time.
 constexpr std::size_t kTakenAtOnce = 1024;

@@ -21,8 +21,8 @@ const OptionTable<ComponentsOptions>& components_options() {
 }
 
 /// Makes component and component_size. Points i and j are joined if one is a neighbour of the other, and their distance
-/// does not exceed ComponentsOptions::distance, if that option is set. Components are numbered from 0 by their first
-/// point: the least x, then y, then z, then row.
+/// does not exceed ComponentsOptions::distance, if that option is set. Components are numbered from 0 in the order of
+/// their first points, by x, then y, then z, then row.
 class ConnectedComponents final : public ConnectOperator {
  public:
   /// With a distance, the neighbours N_i of a point must include all points within the distance. Pipelines without such
@@ -38,8 +38,8 @@ class ConnectedComponents final : public ConnectOperator {
                       component_size("component_size", "points of the connected component", points_)},
             .all_within = distance_};
   }
-  /// With a distance, the two ends of an edge are neighbours of each other, so only the end with the lower row emits
-  /// the edge.
+  /// Without a distance, a point emits an edge to each of its neighbours. With a distance, the two ends of an edge are
+  /// neighbours of each other, so only the end with the lower row emits the edge.
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte*) const override {
     for (std::uint32_t i = 0; i < in.size(); ++i) {
       const NeighborRef* neighbors = in.neighbors(i);

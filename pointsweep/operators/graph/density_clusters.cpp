@@ -19,8 +19,8 @@
 namespace pointsweep {
 namespace {
 
-/// Gives a number to each component that has a core point; the points of other components are noise. The result of a
-/// component is one byte: 1 if it has a core point, else 0.
+/// Gives a number to each component that has a core point; the points of other components are noise. The result for a
+/// component is one byte: 1 if the component has a core point, else 0.
 class AnyCore final : public VoteRule {
  public:
   std::size_t ballot_bytes() const override { return 1; }
@@ -60,7 +60,8 @@ std::optional<NeighborRef> nearest_core(const Neighborhoods& in, std::size_t i, 
 /// Returns core, one uint8 per point: 1 for core points.
 Attribute core_attribute() { return scalar("core", Type::u8, "1", "1: at least min_points points within eps"); }
 
-/// Makes core: 1 for a point if at least `min_points` points, the point itself included, lie within `eps` of the point.
+/// Makes core: 1 for a point if at least `min_points` points, the point itself included, lie within `eps`, inclusive;
+/// else 0.
 class CorePoints final : public LocalOperator {
  public:
   explicit CorePoints(const DbscanOptions& options) : options_(options) { dbscan_options().declare(*this, options); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Consistent signs of normals over a whole surface (H. Hoppe, T. DeRose, T. Duchamp, J. McDonald, W. Stuetzle,
-/// "Surface reconstruction from unorganized points", SIGGRAPH 1992, Section 3.3).
+/// "Surface reconstruction from unorganized points", SIGGRAPH 1992, Section 3.3), or signs by a trajectory
+/// (facing_normals.h).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -49,7 +50,8 @@ using Whole = __int128;
 
 constexpr double kNormalUnits = 1 << 20, kPlaceUnits = 4294967296.0, kFarthest = 1099511627776.0;
 
-/// Sums over points with signs s, normals n and positions p. The members from `normal` to `first_sign` change their
+/// Sums over points with signs s, normals n and positions p, in the steps of OrientationVotes: `normal` in units of
+/// 2^-20, `place` of 2^-32, `out` of 2^-52. v: the viewpoint. The members from `normal` to `first_sign` change their
 /// sign if all s change their sign.
 struct Votes {
   std::array<Whole, 3> normal;  ///< Σ s n
@@ -83,7 +85,8 @@ std::array<Whole, 3> whole_place(Vec3 p) {
   return place;
 }
 
-/// Returns `out` of OrientationVotes in the units of Votes::normal; 0 if the points have no extent.
+/// Returns the sum `out` as the comment of OrientationVotes defines it, in units of 2^-20; 0 if the points have no
+/// extent.
 long double outwards(const Votes& v) {
   const Vec3 extent = v.box.extent();
   const long double mean = (static_cast<long double>(extent.x) + extent.y + extent.z) / 3;
@@ -96,13 +99,14 @@ long double outwards(const Votes& v) {
 }
 
 /// Decides the signs of a component by votes of all its points, so that the noise of a single normal does not decide.
-/// Normals n count in steps of 2^-20 and positions p in steps of 2^-32, up to 2^40 in magnitude, so that sums over the
-/// points are exact integers. With signs s and the centroid c of the component:
+/// Normals n count in steps of 2^-20, and positions p, limited to 2^40 in magnitude, in steps of 2^-32, so that sums
+/// over the points are exact integers. With signs s and the centroid c of the component:
 ///   up  = Σ s n_z
-///   out = Σ s n · (p - c) / e, e the mean extent of the component: positive if normals point out of a closed surface
-/// The sum with the larger absolute value must be positive. With a viewpoint v, the sum is Σ sign(s n · (v - p))
-/// instead. If the sum is 0, the normal of the highest point must point up (Hoppe et al. 1992); if that normal is
-/// horizontal, the first point keeps its normal.
+///   out = Σ s n · (p - c) / e, e the mean edge of the component's bounding box: positive if normals point out of a
+///   closed surface
+/// The sum with the larger absolute value, `up` if both are equal, must be positive; else all signs are turned. With a
+/// viewpoint v, the sum is Σ sign(s n · (v - p)) instead. If the sum is 0, the normal of the highest point must point
+/// up (Hoppe et al. 1992); if that normal is horizontal, the first point keeps its normal.
 class OrientationVotes final : public VoteRule {
  public:
   explicit OrientationVotes(std::optional<Vec3> viewpoint) : viewpoint_(viewpoint) {}
@@ -164,7 +168,7 @@ Attribute normal_turned_attribute() {
 }
 
 /// Makes normal_turned: the signs along the minimum spanning forest of the graph of neighbours. An edge has the weight
-/// 1 - |n_i . n_j|. Its two points should have equal signs if n_i . n_j >= 0, else different signs. OrientationVotes
+/// 1 - |n_i . n_j|, or 1 if that is NaN. Its two points should have equal signs unless n_i . n_j < 0. OrientationVotes
 /// decides which components to turn.
 class NormalSigns final : public ConnectOperator {
  public:
@@ -214,8 +218,8 @@ class TurnedNormals final : public LocalOperator {
 /// `orient`: NormalSigns, then TurnedNormals; or FacingNormals if the method is `trajectory`.
 class OrientedNormals final : public CompositeOperator {
  public:
-  /// Reads the trajectory, if the method needs one. Messages begin with `place`. Throws UsageError for options out of
-  /// range or in conflict, and Error for a file that cannot be read.
+  /// Reads the trajectory, if the method needs one. Throws UsageError for options out of range or in conflict, and the
+  /// errors of FacingNormals for the file. Messages about a conflict begin with `place`.
   explicit OrientedNormals(OrientOptions options, const std::string& place = "orient") : options_(std::move(options)) {
     const bool facing = options_.method == OrientMethod::trajectory;
     if (facing && (options_.trajectory.empty() || options_.viewpoint))

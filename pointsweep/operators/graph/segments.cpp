@@ -40,7 +40,7 @@ const OptionTable<SegmentsOptions>& segments_options() {
 constexpr double kUnits = 0x1p40, kFarthestPlace = 0x1p40;
 constexpr std::array<std::array<std::size_t, 2>, 6> kEntries = {{{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}}};
 
-/// Sums over the positions q of points, in units of 2^-40.
+/// Sums over points with positions q, whole numbers of units of 2^-40.
 struct Moments {
   std::array<Int192, 6> second;  ///< Σ q_a q_b for the pairs (a, b) in kEntries
   std::array<Int128, 3> first;   ///< Σ q_a
@@ -53,8 +53,9 @@ Moments moments_at(const std::byte* bytes) {
   return moments;
 }
 
-/// Returns Σ (q_a - c_a)(q_b - c_b) / n with the mean c. The sums are integers relative to a whole number m, which is c
-/// without its fraction. The remainder r = Σ q - n m is below n in magnitude, so r_a r_b / n is subtracted in float64.
+/// Returns Σ (q_a - c_a)(q_b - c_b) / n with the mean c, for points that all have finite places. m is c without its
+/// fraction. Σ (q_a - m_a)(q_b - m_b) is an exact integer. It exceeds the sum about c by r_a r_b / n, with r = Σ q - n
+/// m; r is below n in magnitude, so this difference is subtracted in float64.
 Symmetric3 covariance(const Moments& sums) {
   const auto n = static_cast<Int128>(sums.points);
   std::array<Int128, 3> mean, rest;
@@ -81,10 +82,10 @@ float residual(const Moments& sums) {
 }
 
 /// The root mean square distance of points to their best plane: the square root of the least eigenvalue of their
-/// covariance. Positions are rounded to 2^-40, at most 2^40 in absolute value, so that sums are exact integers. Later
-/// steps are in float64, which determines an eigenvalue to about 2^-50 of the largest, and the result is float32. So
-/// the error is below 10^-7 of the extent of the component, or below 2^-40 if 2^-40 is larger. The residual of fewer
-/// than four points is 0.
+/// covariance. Positions are limited to 2^40 in absolute value and rounded to multiples of 2^-40, so that sums are
+/// exact integers. Later steps are in float64, which determines an eigenvalue to about 2^-50 of the largest, and the
+/// result is float32. So the error is below 10^-7 of the extent of the component, or below 2^-40 if 2^-40 is larger.
+/// The residual is NaN if a point has no finite place; otherwise that of fewer than four points is 0.
 class PlaneResidual final : public VoteRule {
  public:
   /// `moved`: true if a ballot is the moved position of a point, three float64. Otherwise ballots are empty, and the
@@ -126,8 +127,9 @@ class PlaneResidual final : public VoteRule {
 };
 
 /// Makes segment, segment_size and segment_residual: components of the points that are joined if one is a neighbour of
-/// the other, their normals differ by less than an angle, whatever their signs, and their distance is within a limit. A
-/// point without a normal is a segment of one point. PlaneResidual measures how flat segments are.
+/// the other, their normals differ by less than an angle, whatever their signs, and their distance is at most
+/// SegmentsOptions::distance, if that is set. A point without a normal is a segment of one point. PlaneResidual
+/// measures how flat segments are.
 class Segments final : public ConnectOperator {
  public:
   /// Throws UsageError for options out of their ranges. `points`: points of the cloud for has_short_numbers().

@@ -88,11 +88,12 @@ RasterSize raster_of(std::span<const Vec3> sample, int axis, double cell, AxisRu
 }
 
 /// Makes classification: 2 for ground. Other points keep the class of the input or of an earlier stage, except that
-/// class 2 and a missing class become 1. Only points that take part can be ground: last returns whose class is neither
-/// 7 nor 18 (noise). Options admit all returns, or noise. Attributes that the cloud lacks exclude no point.
+/// class 2, a missing class and one outside of 0 to 255 become 1. Only points that take part can be ground: last
+/// returns whose class is neither 7 nor 18 (noise). Options admit all returns, or noise. Attributes that the cloud
+/// lacks exclude no point.
 class Ground final : public InOrderOperator {
  public:
-  /// Throws UsageError for options outside of their ranges.
+  /// Throws UsageError for options outside of their ranges, and for a window of more than kMostCells cells.
   explicit Ground(const GroundOptions& options) : options_(options) {
     ground_options().declare(*this, options);
     if (options.window / options.cell > kMostCells)
@@ -129,9 +130,9 @@ class Ground final : public InOrderOperator {
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override {
     return std::make_unique<GroundWork>(options_, rule(), numbers_, reads_.size(), setup);
   }
-  /// Returns the reach in cells. The surface at a point depends on the two nearest cells along each axis and their
-  /// slopes; a hole in the surface is filled from cells at most 3R + 3 away; and disks of all radii up to R, one after
-  /// another, open a raster whose holes were filled from 3R + 3 cells away.
+  /// Returns the reach in cells, with R, the radius of the largest disk. The surface at a point depends on the two
+  /// nearest cells along each axis and their slopes; a hole in the surface is filled from cells at most 3R + 3 away;
+  /// and disks of all radii up to R, one after another, open a raster whose holes were filled from 3R + 3 cells away.
   std::optional<Reach> reach() const override {
     const auto radius = static_cast<double>(rule().radius);
     return Reach{.distance = radius * (radius + 1) + 2 * (3 * radius + 3) + 4};

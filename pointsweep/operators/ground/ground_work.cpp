@@ -11,7 +11,8 @@ constexpr double kGround = 2, kUnclassified = 1, kLowNoise = 7, kHighNoise = 18;
 /// the cells next to them.
 constexpr std::size_t kRowsAround = 2;
 
-/// Returns the slope along one axis, from the cell and the cells on both sides of it.
+/// Returns the slope along one axis by a central difference of the cells on both sides; by a one-sided difference next
+/// to one absent cell, and 0 between two.
 double difference(double before, double here, double behind, double cell) {
   if (before != kNoCell && behind != kNoCell) return (behind - before) / (2 * cell);
   if (behind != kNoCell) return (behind - here) / cell;
@@ -105,7 +106,8 @@ void GroundWork::classify(const OrderedPoints& points, Findings& findings) {
   }
 }
 
-/// Returns the cell of a point, and opens the band of the cell. Points come row by row, as in the first round.
+/// Returns the cell of a point, and opens the band of the cell unless it is open. Points come row by row, as in the
+/// first round.
 GroundWork::Cell GroundWork::cell_of(Vec3 place) {
   const std::uint64_t row = rows_.place_of(row_number(place));
   if (opened_ != rows_.band()) open_band(rows_.band());

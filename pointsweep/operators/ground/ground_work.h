@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The work of `ground` on points in order: first it finds the lowest point of each cell, then it compares all points
-/// with the surface.
+/// The work of `ground` on points in order: first it finds the lowest point of each cell, then it classifies all points
+/// by their distance to the surface of the ground.
 #pragma once
 
 #include <cstddef>

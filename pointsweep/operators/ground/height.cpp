@@ -75,9 +75,9 @@ const OptionTable<HeightOptions>& height_options() {
   return table;
 }
 
-/// Makes height: z - Σ w_j z_j / Σ w_j over the k points of class 2 that are nearest in x and y, w_j = 1 / d_j², summed
-/// nearest first; if d_1 = 0, height is z - z_1. Equal distances are ordered by x, y, z, row. All ground
-/// points of the cloud are searched, however far away.
+/// Makes height: z - Σ w_j z_j / Σ w_j over the k points of class 2 that are nearest in x and y, w_j = 1 / d_j² with
+/// the distance d_j in x and y, summed nearest first; if d_1 = 0, height is z - z_1; without ground points it is NaN.
+/// Equal distances are ordered by x, y, z, row. All ground points of the cloud are searched, however far away.
 class Height final : public InOrderOperator {
  public:
   /// Throws UsageError for options outside of their ranges.

@@ -80,8 +80,9 @@ HWY_INLINE void StoreTriples(FloatV a, FloatV b, FloatV c, const Points& points,
   for (std::size_t l = 0; l < points.size; ++l) column[points.first + l] = {lanes[0][l], lanes[1][l], lanes[2][l]};
 }
 
-/// Stores unit vectors of arbitrary sign, turned so that the first of their largest components is positive; stores 0
-/// where the mask is false. Adding 0 turns -0 into 0, so that results do not show which vectors were turned.
+/// Stores unit vectors of arbitrary sign, each with the sign that makes its component of largest magnitude, or the
+/// first of several, positive; stores 0 where the mask is false. Adding 0 turns -0 into 0, so that results do not show
+/// which vectors were negated.
 template <class M>
 HWY_INLINE void StoreDirections(M mask, const Vec3Lanes<V>& v, const Points& points,
                                 std::span<std::array<float, 3>> column) {

@@ -36,8 +36,9 @@ struct LaneArray {
 constexpr std::size_t kTilePoints = 32;  // largest number of points of a tile
 static_assert(kTilePoints % kLanes == 0 && kLanes <= 8);
 
-/// Successive points of a batch, as many as fit with all their neighbours. If a point has more than 64 neighbours, a
-/// tile is one vector of points and holds a part of their neighbours at a time.
+/// Successive points of a batch. If none of the next 32 points has more than 16, 32 or 64 neighbours, a tile has up to
+/// 32, 16 or 8 points, and holds all their neighbours. Otherwise a tile is one vector of points, and holds at most
+/// kRoom / kLanes neighbours of each at a time.
 struct Tile {
   static constexpr std::size_t kRoom = 512;
 
@@ -46,7 +47,7 @@ struct Tile {
   std::size_t stride;  // distance in a NeighborArray between successive neighbours of a point
   std::size_t chunk;   // largest number of neighbours of a point that the tile holds at a time
   std::size_t most = 0;
-  std::size_t count[kTilePoints];  // |N_i|; 0 after the last point
+  std::size_t count[kTilePoints];  // |N_i|, which Extents may set to 0; 0 after the end of the batch
 
   Tile(const Neighborhoods& in_, std::size_t first_, std::size_t end) : in(in_), first(first_) {
     for (std::size_t l = 0; l < kTilePoints; ++l) {
@@ -59,9 +60,10 @@ struct Tile {
     vectors = (size + kLanes - 1) / kLanes;
     chunk = kRoom / stride;
   }
-  /// Returns how many neighbours of each point the tile holds at a time, from neighbour `from` on.
+  /// Returns how many neighbours of each point the tile holds from neighbour `from` on, absent ones included.
   std::size_t Held(std::size_t from) const { return std::min(chunk, most - from); }
-  /// Returns the index, in an array of neighbours, of the c-th held neighbours of a vector of points.
+  /// Returns the index in a NeighborArray of the c-th held neighbour, from c = 0, of the first point of a vector. Those
+  /// of the other points of the vector follow.
   std::size_t At(std::size_t vector, std::size_t c) const { return c * stride + vector * kLanes; }
 };
 
@@ -82,13 +84,13 @@ HWY_INLINE auto WithOwn(const Tile& tile, std::size_t a, std::size_t vector, con
   return use(some);
 }
 
-/// Returns the values of attribute `a`, which is one number, of a vector of points.
+/// Returns the values of attribute `a`, which is one float32, of a vector of points.
 HWY_INLINE V OwnNumbers(const Tile& tile, std::size_t a, std::size_t vector) {
   return WithOwn<float>(tile, a, vector,
                         [](const float* own) HWY_ATTR { return hn::PromoteTo(Lanes(), hn::LoadU(FloatLanes(), own)); });
 }
 
-/// Returns the values of attribute `a`, which is three numbers, of a vector of points.
+/// Returns the values of attribute `a`, which is three float32, of a vector of points.
 HWY_INLINE Vec3Lanes<V> OwnVectors(const Tile& tile, std::size_t a, std::size_t vector) {
   return WithOwn<std::array<float, 3>>(tile, a, vector, [](const std::array<float, 3>* own) HWY_ATTR {
     hn::Vec<FloatLanes> x, y, z;
@@ -98,15 +100,15 @@ HWY_INLINE Vec3Lanes<V> OwnVectors(const Tile& tile, std::size_t a, std::size_t 
   });
 }
 
-/// A value for each neighbour that a tile holds: the values of the first held neighbours of all its points, then those
-/// of the second ones, and so on.
+/// A value for each neighbour that a tile holds. The value of the c-th held neighbour of point l of the tile has the
+/// index c * Tile::stride + l, with c and l from 0.
 template <class T>
 struct NeighborArray {
   HWY_ALIGN T of[Tile::kRoom];
 };
 
-/// Vectors of the neighbours of a tile in the order of the lanes: of(i)(ref) for each neighbour `ref` of each point i;
-/// 0 after a point's last neighbour.
+/// Vectors of the neighbours that a tile holds, indexed as in a NeighborArray: of(i)(ref) for each neighbour `ref` of
+/// each point i of the batch; 0 after a point's last neighbour.
 template <class OfNeighbor>
 class NeighborVectors {
  public:
@@ -133,7 +135,7 @@ class NeighborVectors {
     const std::size_t at = c * tile_.stride + l;
     return {x_[at], y_[at], z_[at]};
   }
-  /// Sets all vectors of point l to 0.
+  /// Sets all held vectors of point l of the tile to 0.
   void Clear(std::size_t l) {
     for (std::size_t at = l; at < Tile::kRoom; at += tile_.stride) x_[at] = y_[at] = z_[at] = 0;
   }
@@ -175,7 +177,8 @@ struct OffsetOf {
 };
 using Offsets = NeighborVectors<OffsetOf>;
 
-/// Calls state.Include(offset) with the offsets of the neighbours of a vector of points, neighbour by neighbour.
+/// Calls state.Include(offset) with the offsets of the first neighbours of a vector of points, then of the second ones,
+/// and so on; offsets after a point's last neighbour are 0.
 template <class State>
 HWY_INLINE void ForNeighbors(const Tile& tile, Offsets& offsets, std::size_t vector, State& state) {
   for (std::size_t from = 0; from < tile.most; from += tile.chunk) {

@@ -23,17 +23,18 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-/// Measures of the neighbourhoods of a tile that are needed before the sums over neighbours begin.
+/// Measures of the neighbourhoods of a tile that are needed before the sums over neighbours begin. "Scaled" offsets are
+/// those of Scaling. Without neighbours, `place` is 0, and `largest`, `far2` and `near2` are 1.
 struct Extents {
   TileArray count;       // |N_i|
-  TileArray largest;     // largest magnitude of a component of the farthest offset or of all offsets, for Scaling
+  TileArray largest;     // largest magnitude of a component: of the farthest offset if lists are sorted, else of all
   TileArray far2;        // scaled squared length of the farthest offset
   TileArray near2;       // scaled squared length of the nearest offset that is not 0
   TileArray coincident;  // 1 if a neighbour lies on p_i, else 0
   TileArray place;       // largest magnitude among the coordinates of p_i
 
-  /// Measures a tile. Removes the neighbours of a point if all of them coincide with the point, or if an offset is too
-  /// large or not finite.
+  /// Measures a tile. Removes all neighbours of a point if every component of their offsets is below the least normal
+  /// double in magnitude, as where all coincide with the point, or if a component is not below 2^1022.
   HWY_INLINE Extents(Tile& tile, Offsets& offsets) {
     const bool sorted = tile.in.sorted_by_distance();
     for (std::size_t v = 0; v < tile.vectors; ++v) {
@@ -48,9 +49,9 @@ struct Extents {
   }
 
  private:
-  /// Computes MeasureEnds() for a whole vector of points. Returns false unless all points have the same number of
-  /// neighbours, all held by the tile, the first does not coincide with the point, and the extent of the last is
-  /// ordinary (IsOrdinary()).
+  /// Computes MeasureEnds() for a whole vector of points. Returns false, and measures nothing, unless all points have
+  /// the same number of neighbours, at least one, all held by the tile, no first neighbour coincides with its point,
+  /// and the extents of all last neighbours are ordinary (IsOrdinary()).
   HWY_INLINE bool MeasureTogether(const Tile& tile, const Offsets& offsets, std::size_t v) {
     const Lanes d;
     const std::size_t begin = v * kLanes, k = tile.count[begin];
@@ -102,7 +103,8 @@ struct Extents {
       if (ordinary.of[l - begin] == 0) tile.count[l] == 0 ? HaveNone(l) : Search(tile, offsets, l);
     }
   }
-  /// Measures point l, whose neighbours come in any order, at distances whose squares may under- or overflow.
+  /// Measures point l, whose neighbours come in any order, at distances whose squares may under- or overflow; or
+  /// removes the neighbours, as described at the constructor.
   HWY_INLINE void Search(Tile& tile, Offsets& offsets, std::size_t l) {
     const std::size_t k = tile.count[l], i = tile.first + l;
     double extent = 0;
@@ -129,7 +131,7 @@ struct Extents {
   }
   void HaveNone(std::size_t l) { largest.of[l] = far2.of[l] = near2.of[l] = 1, coincident.of[l] = 0; }
 
-  /// Finds extents of offsets in any order; zeros after a point's last neighbour do not count.
+  /// Finds extents of unscaled offsets in any order; zeros after a point's last neighbour do not count.
   struct AnyOrder {
     V largest, far2, near2, off;
     hn::Mask<Lanes> reachable;
@@ -168,11 +170,11 @@ struct Extents {
   static HWY_INLINE double Length2(Vec3 v) { return (v.x * v.x + v.y * v.y) + v.z * v.z; }
 };
 
-/// Offsets are scaled by the power of two that brings the farthest neighbour to about 1, so that no extent of a cloud
-/// under- or overflows. A point per lane.
+/// Offsets are scaled by the power of two that brings Extents::largest into [1, 2), so that no extent of a cloud under-
+/// or overflows. A point per lane.
 struct Scaling {
   V scale;
-  V rounding;  // rounding error of the components of a scaled offset
+  V rounding;  // bound of the rounding error of the components of a scaled offset
 
   Scaling(const Extents& extents, std::size_t vector) {
     const Lanes d;
@@ -184,10 +186,10 @@ struct Scaling {
 };
 
 /// θ(r) = exp(-r²/2σ²), σ² = π max_j |p_j - p_i|² / |N_i| (Equation 1), for a point per lane. On a surface of even
-/// density σ is the point spacing, and the sum of the weights is about 2π for any |N_i|. θ is divided by θ of the
-/// nearest neighbour that does not coincide with p_i, so that not all of many thousand weights underflow. Neighbours
-/// that coincide with p_i get the weight 1, too, since their offsets add nothing to a sum over positions; other sums
-/// need Weights::LoadTrue().
+/// density σ is the point spacing, and the sum of θ is about 2π for any large |N_i|. The weights are θ divided by θ of
+/// the nearest neighbour that does not coincide with p_i, so that not all of many thousand weights underflow.
+/// Neighbours that coincide with p_i get the weight 1, too, since their offsets add nothing to a sum over positions;
+/// other sums need Weights::LoadTrue().
 struct Weighting {
   Scaling scaling;
   V count, near2, falloff;
@@ -197,7 +199,8 @@ struct Weighting {
     near2 = extents.near2.Load(vector);
     falloff = hn::Div(hn::Mul(count, hn::Set(Lanes(), 0.5 / std::numbers::pi)), extents.far2.Load(vector));  // 1 / 2σ²
   }
-  /// Returns -ln θ of the j-th neighbours; after a point's last neighbour it is so large that θ is 0.
+  /// Returns -ln of the weights of the j-th neighbours, from j = 0; after a point's last neighbour it is so large that
+  /// the weight is 0.
   HWY_INLINE V Exponent(const Vec3Lanes<V>& offset, std::size_t j) const {
     const Lanes d;
     const Vec3Lanes<V> scaled = scaling.Scaled(offset);
@@ -206,8 +209,9 @@ struct Weighting {
   }
 };
 
-/// θ of all neighbours of a tile, in single precision. The relative error of each term of a sum is below 1e-7 in every
-/// direction: small eigenvalues keep their digits, and the first eigenvector turns by about 1e-7 λ1 / (λ1 - λ0).
+/// The weights of the neighbours that a tile holds, in single precision. An error of a weight, relatively below 1e-7,
+/// changes a term of Σ θ o o^T by one factor in all directions: small eigenvalues keep their digits, and the
+/// eigenvector of λ0 turns by about 1e-7 λ1 / (λ1 - λ0).
 class Weights {
  public:
   Weights(const Tile& tile, const Extents& extents, Offsets& offsets)
@@ -222,8 +226,8 @@ class Weights {
   HWY_INLINE V Load(std::size_t vector, std::size_t c) const {
     return hn::PromoteTo(Lanes(), hn::Load(FloatLanes(), theta_.of + tile_.At(vector, c)));
   }
-  /// Returns θ for sums over values that are not 0 at p_i: correct also for neighbours that coincide with p_i, and
-  /// divided by Divisor().
+  /// Returns θ / Divisor() for sums over values that are not 0 at p_i: correct also for neighbours that coincide with
+  /// p_i. If there are such neighbours, the weight after the point's last neighbour is 1, not 0.
   HWY_INLINE V LoadTrue(std::size_t vector, std::size_t c) const {
     const V theta = Load(vector, c), coincident = extents_.coincident.Load(vector), zero = hn::Zero(Lanes());
     const auto some = hn::Gt(coincident, zero);
@@ -233,7 +237,7 @@ class Weights {
     const V absolute = hn::IfThenElse(on_point, coincident, hn::Mul(theta, NearestTheta(vector)));
     return hn::IfThenElse(some, absolute, theta);
   }
-  /// Returns the divisor of the weights of LoadTrue(): θ of the nearest neighbour, or 1 if a neighbour lies on p_i.
+  /// Returns the divisor of θ in LoadTrue(): θ of the nearest neighbour, which is 1 if a neighbour lies on p_i.
   HWY_INLINE V Divisor(std::size_t vector) const {
     const auto some = hn::Gt(extents_.coincident.Load(vector), hn::Zero(Lanes()));
     return hn::IfThenElse(some, hn::Set(Lanes(), 1.0), NearestTheta(vector));
@@ -292,7 +296,8 @@ HWY_INLINE Symmetric3Lanes<V> ZeroMatrix() {
 }
 
 /// The sums Σ_j θ o o^T (Equation 1 without 1/|N_i|) and Σ_j θ over the neighbours j. o is p_j - p_i times
-/// Scaling::scale, and θ is divided by the θ of the nearest neighbour (Weighting).
+/// Scaling::scale, and θ is divided by the θ of the nearest neighbour off p_i, and is 1 for neighbours on p_i
+/// (Weighting).
 struct Moments {
   Scaling scaling;
   Symmetric3Lanes<V> m = ZeroMatrix();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Directions in tangent planes and perpendicular to them, in vector lanes. Included once per instruction set.
+/// Directions of vectors, and unit tangents of planes, in vector lanes. Included once per instruction set.
 #if defined(POINTSWEEP_OPERATORS_TANGENT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_OPERATORS_TANGENT_LANES_INL_H_
 #undef POINTSWEEP_OPERATORS_TANGENT_LANES_INL_H_
@@ -21,8 +21,8 @@ struct Direction {
   hn::Mask<hn::DFromV<V>> exists;
 };
 
-/// Returns the direction of v, unless v is 0 or not finite. For vectors whose squared length 1 + e is near 1, as that
-/// of stored unit vectors, 1 / |v| is 1 - e/2 + 3e²/8 to rounding.
+/// Returns the direction of v, which exists unless |v|² is 0 or not finite in floating point. For vectors whose squared
+/// length 1 + e is near 1, as that of stored unit vectors, 1 / |v| is 1 - e/2 + 3e²/8 to rounding.
 template <class V>
 HWY_INLINE Direction<V> DirectionOf(const Vec3Lanes<V>& v) {
   const hn::DFromV<V> d;
@@ -45,9 +45,9 @@ HWY_INLINE Vec3Lanes<V> UnitOrZero(const Vec3Lanes<V>& v) {
   return DirectionOf(v).unit;
 }
 
-/// Returns the unit tangent of the plane with unit normal n in the direction of `along`, perpendicular to `across`.
-/// `along` and `across` are orthogonal unit vectors; usually neither is exactly tangent. The vector nearer to the plane
-/// determines the result, so the result always exists.
+/// Returns a unit tangent of the plane with unit normal n. `along` and `across` are orthogonal unit vectors; usually
+/// neither is exactly tangent. If `along` is the nearer to the plane, or as near, the result is its direction in the
+/// plane, else the tangent perpendicular to `across`. So the result exists unless n is 0.
 template <class V>
 HWY_INLINE Vec3Lanes<V> Tangent(const Vec3Lanes<V>& n, const Vec3Lanes<V>& along, const Vec3Lanes<V>& across) {
   const V lift = Dot(n, along);

@@ -21,8 +21,8 @@ namespace {
 
 /// Makes "neighbor_count", one uint32 per point: |N_i|, the point itself not counted; and "neighbor_radius", one
 /// float64 per point: the distance to the farthest neighbour, in length units, at the current positions; 0 without
-/// neighbours, NaN if a neighbour has no finite place. The values show the choice of a rule of neighbourhoods, and both
-/// can be the limits of a later run (PDAL stores them under the names OptimalKNN and OptimalRadius).
+/// neighbours, NaN if a neighbour has no finite place. The values show what a rule of neighbourhoods has chosen, and
+/// can be the k and the radius of a later run (PDAL stores them under the names OptimalKNN and OptimalRadius).
 class NeighborhoodSize final : public LocalOperator {
  public:
   std::string name() const override { return "neighborhood_size"; }
@@ -50,7 +50,7 @@ const OptionTable<DensityOptions>& density_options() {
   return table;
 }
 
-/// Converts to float32. A quotient beyond the range of float32 becomes the largest float32.
+/// Converts a value >= 0 to float32. A value beyond the range of float32 becomes the largest float32.
 float single(double v) { return static_cast<float>(std::min(v, double(std::numeric_limits<float>::max()))); }
 
 struct Ball {
@@ -68,7 +68,7 @@ Ball ball_of(const Neighborhoods& in, std::size_t i, std::optional<double> radiu
 /// radius R out of the ball; and "volume_density" m / (4/3 π R³). One float32 of each per point.
 ///   Without a radius: R is the distance to the farthest neighbour and m = |N_i|; the point itself is not counted.
 ///   With a radius: R is the radius, m the number of points within it, inclusive, the point itself counted, as in
-///   CloudCompare.
+///   CloudCompare. N_i must then include all points within the radius.
 /// Positions are the current ones. Without a radius, both densities are 0 and the point counts as degenerate if R is 0,
 /// there is no neighbour, or a neighbour has no finite place.
 class Density final : public LocalOperator {

@@ -21,7 +21,8 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double finite_or_none(double v) { return std::isfinite(v) ? v : kNone; }
 
-/// Fills the only column with value(i), and marks the points whose value is NaN as degenerate.
+/// Fills the only column with value(i), or NaN for points without neighbours, and marks the points whose value is NaN
+/// as degenerate.
 template <class Value>
 void fill_column(const Neighborhoods& in, Columns& out, const Value& value) {
   const std::span<double> column = out.column<double>(0);
@@ -37,8 +38,8 @@ double larger(double a, double b) { return std::isnan(a) || std::isnan(b) ? kNon
 
 double quotient(double r, double by) { return std::isinf(r) && std::isinf(by) ? 1 : r / by; }
 
-/// The attributes that the operators below make, one float64 of each per point: NaN for points without neighbours, and
-/// for points with a neighbour that has no finite place.
+/// The attributes that the operators below make, one float64 of each per point: NaN for points without neighbours, for
+/// points with a neighbour that has no finite place, and where an attribute that the formula reads is NaN.
 Attribute k_distance_attribute() { return nan_scalar("k_distance", "length", "distance to the farthest neighbour"); }
 
 Attribute reachability_density_attribute() {

@@ -15,7 +15,7 @@ namespace pointsweep {
 namespace {
 
 /// The indices of the k nearest neighbours in the list of a point, nearest first at the current positions: by distance,
-/// then x, y, z and row. Neighbours without a finite place come last.
+/// then x, y, z and row. Neighbours without a finite place come last, by row.
 class NearestPlaces {
  public:
   NearestPlaces(const Neighborhoods& in, std::size_t k) : in_(in), k_(k) {}

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Statistics of attributes over the neighbours of a point: means, medians, ranges, majorities, counts (docs/adr/0019).
+/// Statistics of attributes over the neighbours of a point: means, medians, least and greatest values, ranges, standard
+/// deviations, majorities, counts (docs/adr/0019).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,17 +30,19 @@ namespace {
 enum class Statistic : std::uint8_t { mean, median, min, max, range, deviation, majority, count };
 
 /// `statistics`: makes one attribute for each name of StatisticsOptions::of. Neighbours count if they satisfy the
-/// condition and have a finite value. Values are combined in float64 in the order of the search; min, max and majority
-/// keep the type of the attribute. A point without a neighbour that counts has a count of 0. Any other statistic of the
-/// point is NaN, or 0 for whole-number types, and makes the point degenerate.
+/// condition and, except for `count` without an attribute, have a finite value. Sums run in float64 in the order of the
+/// search; whole numbers are summed exactly for a mean. min, max and majority keep the type of the attribute. A point
+/// without a neighbour that counts has a count of 0. Any other statistic of the point is NaN, or 0 for whole-number
+/// types, and makes the point degenerate.
 class NeighborhoodStatistics final : public LocalOperator {
  public:
-  /// Throws UsageError that begins with `place` for a name that ends in no statistic, or is given twice.
+  /// Throws UsageError that begins with `place` for a name that ends in no statistic, or is given twice, and for an
+  /// invalid condition.
   explicit NeighborhoodStatistics(const StatisticsOptions& options, std::string place = "statistics");
   std::string name() const override { return "statistics"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  /// Throws UsageError for an unknown attribute; the message names the known attributes.
+  /// Throws UsageError for an unknown attribute, also of the condition; the message names the known attributes.
   std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
  private:
@@ -60,7 +63,7 @@ class NeighborhoodStatistics final : public LocalOperator {
 
   void add_result(const std::string& name);
   Attribute attribute_of(const Result& result) const;
-  /// Removes the neighbours for which the condition does not hold from `lists`.
+  /// Removes from `lists` the neighbours for which the condition does not hold.
   void keep_those_that_satisfy(const Neighborhoods& in, Lists& lists) const;
   void fill(std::size_t source, const Neighborhoods& in, const Lists& lists, Columns& out) const;
   void fill_counts(std::size_t source, const Lists& lists, Columns& out) const;
@@ -77,7 +80,7 @@ class NeighborhoodStatistics final : public LocalOperator {
 
 struct StatisticText {
   const char* name;
-  const char* meaning;  ///< meaning, up to the name of the attribute
+  const char* meaning;  ///< meaning, without the name of the attribute that follows
 };
 
 /// Names and meanings of the statistics, in the order of Statistic.
@@ -145,7 +148,8 @@ ChainStage operators::statistics(const StatisticsOptions& options) {
   return std::make_shared<NeighborhoodStatistics>(options);
 }
 
-/// Lists of the neighbours that count, one for each of some successive points of a batch.
+/// Lists of neighbours, one for each of some successive points of a batch: all, or those for which the condition holds.
+/// If some of their values are not finite, fill() makes Lists with `begin` alone for the lists of finite values.
 struct NeighborhoodStatistics::Lists {
   std::size_t first_point = 0;
   std::span<const NeighborRef> neighbors = {};

@@ -22,15 +22,15 @@ struct OutlierRule {
 };
 
 /// Returns mean_distance, one float64 per point, in length units: the mean distance to the neighbours; NaN without
-/// neighbours, or if a neighbour has no finite place.
+/// neighbours, or if the point or a neighbour has no finite place.
 Attribute mean_distance_attribute();
 /// Returns outlier, one uint8 per point: 1 for outliers, else 0.
 Attribute outlier_attribute();
 
 /// Computes {mean, deviation, count} of the finite values d of a scalar. The deviation is sqrt(Σ (d - mean)² / (n -
 /// 1)), 0 for one value. With `population`, the divisor is n. With `zero_is_outlier`, the sum of squares excludes
-/// values of 0, but n and the mean count them. The sums are exact, so that differences lose no digits. The mean of no
-/// values is NaN.
+/// values of 0, but n and the mean count them. The sums of d and d² are exact, so that their difference loses no
+/// digits; the terms of values of 0 are subtracted in float64. Without values, the mean is NaN and the deviation 0.
 class MeanAndDeviation final : public Reduction {
  public:
   explicit MeanAndDeviation(Attribute of, OutlierRule rule = {}) : of_(std::move(of)), rule_(rule) {}

@@ -25,9 +25,9 @@ const OptionTable<RorOptions>& ror_options() {
 }
 
 /// Makes outlier, one uint8 per point: 1 if fewer than `min_neighbors` neighbours lie within `radius`, inclusive, of
-/// the point, at the current positions; else 0. The neighbours N_i of a point must include the min_neighbors nearest
-/// points within the radius: the k of the neighbourhoods must be at least min_neighbors, and their radius at least
-/// `radius`. Pipelines without such neighbourhoods are refused; C++ callers must provide them.
+/// the point, at the current positions; else 0. The neighbours N_i of a point must include all points within the
+/// radius, or the min_neighbors nearest of them: the k of the neighbourhoods must be at least min_neighbors, and their
+/// radius at least `radius`. Pipelines without such neighbourhoods are refused; C++ callers must provide them.
 class RadiusOutliers final : public LocalOperator {
  public:
   /// Throws UsageError for options out of their ranges.

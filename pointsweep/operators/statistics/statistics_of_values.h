@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Statistics of a list of finite values, which must not be empty. Sums run in the order of the list. Values are
+/// Statistics of a list of finite values. The list must not be empty. Sums run in the order of the list. Values are
 /// float64 or whole numbers of 64 bits; differences of whole numbers are exact before they become float64.
 #pragma once
 
@@ -96,7 +96,7 @@ double median_of(std::span<const Value> values, std::vector<Value>& sorted) {
     return below / 2 + sorted[half] / 2;
 }
 
-/// Returns the most frequent value; of equally frequent values, the first in the list. `sorted` is overwritten.
+/// Returns the most frequent value; of equally frequent values, the first in the list. `sorted` may be overwritten.
 template <class Value>
 Value majority_of(std::span<const Value> values, std::vector<Value>& sorted) {
   if (values.size() <= kSortedByRank) {  // no sort: each value counts the equal values after it
@@ -110,7 +110,7 @@ Value majority_of(std::span<const Value> values, std::vector<Value>& sorted) {
   }
   sorted.assign(values.begin(), values.end());
   std::ranges::sort(sorted);
-  std::size_t most = 0, frequent = 0;  // longest run of equal values; number of longest runs, moved to the front
+  std::size_t most = 0, frequent = 0;  // length of the longest run; number of values with it, moved to the front
   for (std::size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
     while (end < sorted.size() && sorted[end] == sorted[begin]) ++end;
     if (end - begin > most) most = end - begin, frequent = 0;

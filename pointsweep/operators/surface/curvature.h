@@ -11,25 +11,27 @@
 
 namespace pointsweep {
 
-/// Computes curvatures from the covariance of the normals of the neighbours N_i of a point,
+/// Computes curvatures from the second moments of the normals of the neighbours N_i of a point, in the paper
 ///   C_i = 1/|N_i| Σ_j n_j n_j^T θ(|p_j - p_i|),  θ as in Equation 1.
 /// n n^T does not depend on the sign of n: normals need no orientation, and curvatures have no sign.
 ///
 /// The largest eigenvalue of C_i belongs to the mean normal; the two smaller eigenvalues are second moments of the
-/// components of the normals perpendicular to the mean normal. Over a distance s a normal turns by κ s, so
+/// components of the normals perpendicular to the mean normal. Over a short distance s along a direction of curvature
+/// κ, the normal turns by the angle κ s, so
 ///   κ² = (second moment of the normals across their mean) / (variance of the positions along the same direction).
-/// The paper does not describe this step. This library takes θ = 1, that is, equal weights, since θ of Equation 1
-/// effectively weights about six neighbours for any k. Normals estimated with that θ have errors that vary over the
-/// same distance and are a fixed fraction of κ at any density; a window of that size cannot average them out. With
-/// equal weights the errors decrease as k grows.
+/// The paper does not describe this step from moments to curvatures. This library takes θ = 1, that is, equal weights,
+/// since θ of Equation 1 effectively weights about six neighbours for any k. Normals estimated with that θ have errors
+/// that differ between points as far apart as these six neighbours, and that are a fixed fraction of κ at any density;
+/// a mean over only six neighbours leaves such errors in the result. With equal weights the errors decrease as k grows.
 ///
 /// In full, over the m neighbours that have a normal, u_j = n_j / |n_j|:
 ///   S = 1/m Σ_j u_j u_j^T, with eigenvalues μ0 <= μ1 <= μ2 and eigenvectors e0, e1, e2;
-///   D = 1/m Σ_j (p_j - p̄)(p_j - p̄)^T, p̄ their mean;
-///   t1 = e1 brought into the tangent plane of n_i: projected, if |e1·n_i| <= |e0·n_i|, else e0 × n_i; t2 = n_i × t1.
+///   D = 1/m Σ_j (p_j - p̄)(p_j - p̄)^T, p̄ the mean of the p_j;
+///   t1 = unit vector in the tangent plane of n_i: along the projection of e1, if |e1·n_i| <= |e0·n_i|, else along
+///   e0 × n_i; t2 = n_i × t1.
 /// The curvatures along t1 and t2 are √(μ1 / t1^T D t1) and √(μ0 / t2^T D t2). k1 is the larger of the two, and
-/// k1_direction its direction. Moments of normals are about the eigenvector e2, positions are about p̄: an error of n_i
-/// only turns the plane. All is in double; θ of C_i and M_i below is in single precision.
+/// k1_direction its direction. S and D do not depend on n_i, so an error of n_i only tilts the plane of t1 and t2. All
+/// sums are in double, θ of C_i and M_i below is in single precision, and results are rounded to float32.
 ///
 /// Makes "k1" "k2" (k1 >= k2 >= 0), "k1_direction", "mean_curvature" (k1 + k2)/2, "gaussian_curvature" k1 k2,
 /// "rms_curvature" √((k1² + k2²)/2), "absolute_curvature" k1 + k2, "surface_variation" λ0/(λ0 + λ1 + λ2) of M_i

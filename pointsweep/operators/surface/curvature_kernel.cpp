@@ -19,7 +19,8 @@ namespace pointsweep::HWY_NAMESPACE {
 using Vector = Vec3Lanes<V>;
 using Matrix = Symmetric3Lanes<V>;
 
-/// Unit normals of neighbours, or 0, with a flag: 1 if there is a normal, else 0.
+/// The normals of the neighbours that a tile holds, as unit vectors, with a number for each: 1 if the neighbour has a
+/// normal; else the vector and the number are 0.
 class NeighborNormals {
  public:
   explicit NeighborNormals(const Tile& tile) : tile_(tile), vectors_(tile, {tile.in}) { MakeUnit(0); }
@@ -57,11 +58,12 @@ class NeighborNormals {
 
 /// The sums of Equations 1 and 2.
 struct WeightedSums {
-  Matrix moments = ZeroMatrix();  // |N_i| M_i over all neighbours
-  Matrix normals = ZeroMatrix();  // |N_i| C_i
+  Matrix moments = ZeroMatrix();  // |N_i| M_i times scale² (Scaling), over θ of the nearest neighbour (Weighting)
+  Matrix normals = ZeroMatrix();  // |N_i| C_i over Weights::Divisor()
 };
 
-/// Sums over the neighbours that have a normal, with equal weights.
+/// Sums over the neighbours that have a normal, with equal weights: unit normals n n^T, scaled offsets o o^T and o, and
+/// their number.
 struct Sums {
   Scaling scaling;
   Matrix normals = ZeroMatrix(), positions = ZeroMatrix();
@@ -74,7 +76,8 @@ template <bool kWeighted>
 struct AllSums : Sums {
   WeightedSums weighted = {};
 
-  /// Includes the neighbours in the tile in two loops, since all sums together do not fit in registers.
+  /// Adds the neighbours of the points of vector `v` that the tile holds, in two loops, since all sums together do not
+  /// fit in registers.
   HWY_INLINE void IncludeHeld(const Tile& tile, std::size_t from, std::size_t v, const Offsets& offsets,
                               const Weights* weights, const NeighborNormals& neighbors) {
     for (std::size_t c = 0; c < tile.Held(from); ++c) {
@@ -92,7 +95,8 @@ struct AllSums : Sums {
   }
 };
 
-/// Covariances of the positions along two unit vectors, about the mean position, times the number of positions.
+/// Variances of the scaled positions along the unit vectors u (`along`) and v (`across`), and the covariance of both,
+/// about the mean position; all times the number of positions.
 struct Covariances {
   V along, across, both;
 
@@ -106,7 +110,7 @@ struct Covariances {
   }
 };
 
-/// Curvatures, a point per lane. `found` is true for points that have curvatures.
+/// Curvatures of the scaled positions, a point per lane. `found` is true for points that have curvatures.
 struct Principal {
   V k1, k2;
   Vector direction;
@@ -130,20 +134,21 @@ HWY_INLINE Principal PrincipalCurvatures(const Vector& n, const Sums& sums, cons
   return {hn::Max(a, b), hn::Min(a, b), Choose(hn::Lt(a, b), across, along), found};
 }
 
-/// Returns the smallest eigenvalue of m with the given trace. n is its eigenvector, rounded to single precision by
-/// `normals`; the error of n^T m n is the square of that rounding.
+/// Returns the smallest eigenvalue of m, whose trace is `trace`. If n is the eigenvector of this eigenvalue, rounded to
+/// single precision as by `normals`, the result is n^T m n, whose error is of the order of the square of that rounding.
+/// For any other unit vector n, such as a normal of the input, the eigenvalue is computed from m alone.
 HWY_INLINE V SmallestEigenvalue(const Matrix& m, V trace, const Vector& n) {
   const Lanes d;
   const Vector mn = Times(m, n);
   const V quotient = Dot(n, mn);
   const Vector rest = Minus(mn, Times(quotient, n));
-  // The error of the quotient is at most |rest|² over the gap to the next eigenvalue, which is at least the product of
-  // the two other eigenvalues over their sum, less the quotient.
+  // The error of the quotient is at most |rest|² over the gap between the quotient and the next eigenvalue. The next
+  // eigenvalue is at least the product of the two larger eigenvalues over their sum.
   const V minors = hn::Add(
       hn::Add(hn::Sub(hn::Mul(m.xx, m.yy), hn::Mul(m.xy, m.xy)), hn::Sub(hn::Mul(m.xx, m.zz), hn::Mul(m.xz, m.xz))),
       hn::Sub(hn::Mul(m.yy, m.zz), hn::Mul(m.yz, m.yz)));
   const V others = hn::Sub(trace, quotient), product = hn::Sub(minors, hn::Mul(quotient, others));
-  const V gap = hn::Sub(product, hn::Mul(quotient, others));  // the gap times `others`
+  const V gap = hn::Sub(product, hn::Mul(quotient, others));  // a lower bound of the gap, times `others`
   const auto right = hn::Le(hn::Mul(Dot(rest, rest), others), hn::Mul(hn::Mul(hn::Set(d, 1e-13), trace), gap));
   if (hn::AllTrue(d, right)) return quotient;
   return hn::IfThenElse(right, quotient, EigenSymmetric3(d, m)[0].value0);
@@ -166,8 +171,9 @@ HWY_INLINE void StorePrincipal(const Principal& p, V scale, const Points& points
   points.MarkWithout(p.found, degenerate);
 }
 
-/// Stores the surface variation and the eigenvalues of C_i. `eigen_normals`: eigenvalues and eigenvectors of |N_i| C_i.
-/// Inline, so that unused eigenvectors are not computed.
+/// Stores the surface variation and the eigenvalues of C_i. `eigen_normals`: eigenvalues and eigenvectors of
+/// sums.normals. `divisor`: Weights::Divisor(). `neighbors`: |N_i|. Inline, so that unused eigenvectors are not
+/// computed.
 template <class Mask>
 HWY_INLINE void StoreWeighted(Mask found, const WeightedSums& sums, const Eigen3Lanes<V>& eigen_normals,
                               const Vector& normal, V divisor, V neighbors, const Points& points,
@@ -198,8 +204,8 @@ class CurvatureTile {
     if constexpr (kWeighted) weights_.emplace(tile, extents_, offsets_);
   }
 
-  /// Solves two eigenproblems at a time: both problems of one vector of points if θ is wanted, else one problem for
-  /// each of two vectors.
+  /// Computes and stores the results of all points. Solves two eigenproblems at a time: those of S and C_i of one
+  /// vector of points if θ is wanted, else those of S of two vectors.
   HWY_INLINE void Store() {
     const Lanes d;
     for (std::size_t v = 0; v < tile_.vectors; v += kWeighted ? 1 : 2) {

@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the first four numbers of a line; nullopt if the line does not begin with four numbers.
+/// Returns the first four numbers of a line; nullopt if the line does not begin with four finite numbers.
 std::optional<std::array<double, 4>> numbers_of_line(std::string_view line) {
   constexpr std::string_view kSeparators = ",;\t \r";
   std::array<double, 4> numbers;

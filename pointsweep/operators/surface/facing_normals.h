@@ -15,15 +15,16 @@ namespace pointsweep {
 /// The positions of a sensor over time.
 class Trajectory {
  public:
-  /// Parses lines of time, x, y, z, separated by commas, semicolons, tabs or blanks. Further columns, empty lines,
-  /// lines that begin with #, and a first line of names are ignored. Times are distinct, in any order. Throws Error
-  /// that begins with `name` and states the invalid line.
+  /// Parses lines of time, x, y, z, separated by commas, semicolons, tabs or blanks. Further columns, blank lines and
+  /// lines that begin with # are ignored, and so is the first other line if it does not begin with four finite numbers,
+  /// as a line of names. Times may come in any order. Throws an Error that begins with `name` if a later line does not
+  /// begin with four finite numbers, if no line does, or if two lines have the same time.
   Trajectory(std::string_view text, const std::string& name);
 
   double first_time() const { return times_.front(); }
   double last_time() const { return times_.back(); }
-  /// Returns the place on the straight line between the places before and after `time`; the first or last place if
-  /// `time` is outside of the trajectory.
+  /// Returns the place at `time`, by linear interpolation between the places before and after `time`; the first or last
+  /// place if `time` is outside of the trajectory.
   Vec3 at(double time) const;
 
  private:
@@ -31,21 +32,22 @@ class Trajectory {
   std::vector<Vec3> places_;
 };
 
-/// Makes normal: the existing normal, turned so that n . (s - p) >= 0, with s the place of the sensor at the gps_time
-/// of the point.
+/// Makes normal: the existing normal n, negated if n . (s - p) < 0, with s the place of the sensor at the gps_time of
+/// the point. Points without a finite position, or with a NaN time, keep their normal.
 class FacingNormals final : public LocalOperator {
  public:
   /// Largest distance of a time from the trajectory, in seconds. A time farther outside belongs to another clock or
   /// survey.
   static constexpr double kMostSeconds = 1;
 
-  /// Reads the file. Throws Error if it is no trajectory, or if `checksum` is not empty and differs from its checksum.
+  /// Reads the file. Throws Error if the file cannot be read or is no trajectory, or if `checksum` is not empty and
+  /// differs from the checksum of the file.
   FacingNormals(std::string file, std::string checksum);
 
   std::string name() const override { return "orient"; }
   Contract contract() const override;
   std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
-  /// Throws Error for a time that is more than kMostSeconds outside of the trajectory.
+  /// Throws Error for a point with a finite position whose time is more than kMostSeconds outside of the trajectory.
   void apply(const Neighborhoods& in, Columns& out) const override;
   const std::string& checksum() const { return checksum_; }
 

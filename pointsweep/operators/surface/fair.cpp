@@ -133,14 +133,15 @@ Contract Fair::contract() const {
           .default_k = 64};
 }
 
-/// A neighbour that counts. The point moves by `off_plane` along `normal` onto the tangent plane of the neighbour.
+/// A neighbour j that counts. The projection of p_i onto the tangent plane of j is p_i + off_plane · normal. `area`:
+/// area of the splat of j over π.
 struct Fair::Pull {
   Vec3 normal;
   double area, off_plane;
 };
 
-/// Collects the neighbours of point i that count, and the exponents of their weights. Offsets from p_i keep digits that
-/// coordinates far from the origin would lose.
+/// Collects the neighbours of point i that have a normal and a splat, and -ln(f g) of each. Sums of offsets from p_i
+/// keep digits that sums of coordinates far from the origin would lose.
 void Fair::collect(const Neighborhoods& in, std::size_t i, std::vector<Pull>& pulls,
                    std::vector<double>& exponents) const {
   pulls.clear(), exponents.clear();
@@ -156,7 +157,8 @@ void Fair::collect(const Neighborhoods& in, std::size_t i, std::vector<Pull>& pu
   }
 }
 
-/// Returns p_i' - p_i, or nullopt if no neighbour counts. `own`: the area of the splat of p_i, for which f = g = 1.
+/// Returns p_i' - p_i, or nullopt if no neighbour has a weight above 0. `own`: area over π of the splat of p_i, for
+/// which f = g = 1. `falloffs`: f g of each neighbour.
 std::optional<Vec3> Fair::shift(double own, const std::vector<Pull>& pulls, const std::vector<double>& falloffs) {
   double weights = own;
   Vec3 sum;

@@ -21,11 +21,11 @@ namespace pointsweep {
 /// weight a_i. a_j is the area of the splat of p_j, π length² ratio. The sign of n_j has no effect. A neighbour without
 /// a normal, a splat or a finite place does not count. All is in double.
 ///
-/// Makes "position". The point does not move, and counts as degenerate, if no neighbour has both a normal and a splat,
-/// or if all weights vanish. Normals and splats describe the old positions until they are made again.
+/// Makes "position". The point does not move, and counts as degenerate, if no neighbour that counts has a weight above
+/// 0, or if the moved position is not finite. Normals and splats describe the old positions until they are made again.
 class Fair : public LocalOperator {
  public:
-  /// Throws UsageError unless both widths are positive.
+  /// Throws UsageError unless both widths are positive and finite, and have finite reciprocals.
   explicit Fair(const FairOptions& options);
   std::string name() const override { return "fair"; }
   Contract contract() const override;

@@ -18,7 +18,7 @@ struct FeatureText {
   const char* name;
   const char* meaning;
   int power;                    ///< exponent of the length in the unit
-  bool of_eigenvalues = false;  ///< true if `power` holds for raw eigenvalues, which are squared lengths
+  bool of_eigenvalues = false;  ///< true if `power` is that of raw eigenvalues; other scales have less
 };
 
 /// Names, meanings and units in the order of Feature.
@@ -126,8 +126,8 @@ OperatorDeclaration features_declaration() {
 
 ChainStage operators::features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
 
-/// Puts the names in the order of the columns, and removes them if all features are named, so that equal operators have
-/// equal options.
+/// Puts the names in the order of Feature, and removes all names if every feature is named, so that equal operators
+/// have equal options.
 Features::Features(FeaturesOptions options) : options_(std::move(options)), made_(features_named(options_.names)) {
   const std::vector<std::string> known = names_of_features();
   const auto place = [&](const std::string& name) { return std::ranges::find(known, name) - known.begin(); };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Features of the shape of a neighbourhood, from the eigenvalues of its covariance: how much it resembles a line, a
-/// plane or a volume.
+/// Features of the shape of a neighbourhood, most of them from the eigenvalues and eigenvectors of its covariance: how
+/// much the neighbourhood resembles a line, a plane or a volume.
 #pragma once
 
 #include <array>
@@ -61,10 +61,10 @@ inline constexpr std::size_t kFeatures = 15;
 /// have the sign of an eigenvector, which is arbitrary, and are absolute here. CloudCompare's "1st order moment" is
 /// moment1_axis2² / moment2_axis2.
 ///
-/// If P is one point, all points of P coincide, or an offset is not finite, all attributes but number_of_neighbors are
-/// 0. verticality is 0 if P lies on a line to rounding: l2 <= 1e-12 l1 + ρ², ρ as in Normals. The point counts as
-/// degenerate if Features makes an attribute, other than height_range, that is 0 for one of these reasons. If two
-/// eigenvalues are equal, their axes are an arbitrary orthogonal pair.
+/// If P has at most one point, all points of P coincide, or an offset overflows or is not finite, all attributes but
+/// number_of_neighbors are 0. verticality is 0 if P lies on a line to rounding: l2 <= 1e-12 l1 + ρ², ρ as in Normals.
+/// The point counts as degenerate if Features makes an attribute, other than height_range, that is 0 for one of these
+/// reasons. If two eigenvalues are equal, their axes are an arbitrary orthogonal pair.
 ///
 /// Everything is in double and rounded to float32 at the end. Sums are relative to a point of P; the error of an
 /// eigenvalue is some n 2^-52 of the largest eigenvalue.
@@ -86,14 +86,15 @@ struct FeatureColumns {
   std::array<std::span<float>, kFeatures - 1> numbers;  ///< by Feature: as long as the batch; empty if not wanted
   EigenvalueScale eigenvalues = EigenvalueScale::raw;
   bool with_point = true;            ///< true if p_i itself is one of the points
-  bool marks_without_extent = true;  ///< true if points whose neighbourhood lies at one place are degenerate
-  bool marks_lines = true;           ///< true if points whose neighbourhood lies on a line are degenerate
+  bool marks_without_extent = true;  ///< true to mark points whose P has no extent as degenerate
+  bool marks_lines = true;           ///< true to mark points whose P lies on a line or has no extent
 
   std::span<float> operator[](Feature f) const { return numbers[static_cast<std::size_t>(f)]; }
 };
 
-/// Computes the features of all points of the batch. Points without a result get 0 and are marked as degenerate. The
-/// bits depend only on a point's neighbourhood: not on the instruction set or the batch.
+/// Computes the features of all points of the batch, except number_of_neighbors. Points without a result get 0; the
+/// flags of `out` choose which of them are marked as degenerate. The bits depend only on a point's neighbourhood: not
+/// on the instruction set or the batch.
 void features(const Neighborhoods& in, const FeatureColumns& out, DegeneratePoints& degenerate);
 
 }  // namespace pointsweep

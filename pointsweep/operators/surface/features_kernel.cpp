@@ -48,7 +48,7 @@ struct PointSums {
     offset = Plus(offset, o);
     low = hn::Min(low, o.z), high = hn::Max(high, o.z);
   }
-  /// Returns n times the covariance about the mean.
+  /// Returns n Σ of the scaled offsets, Σ as in Features.
   HWY_INLINE Matrix Centered() const {
     Matrix m = products;
     const V one = hn::Set(Lanes(), 1.0);
@@ -67,7 +67,8 @@ HWY_INLINE PointSums SumPoints(const Tile& tile, const Extents& extents, Offsets
     offsets.Hold(from);
     for (std::size_t c = 0; c < tile.Held(from); ++c) {
       const Vector o = sums.scaling.Scaled(offsets.Load(v, c));
-      // After a point's last neighbour the offsets are 0, like the offset of p_i itself.
+      // After a point's last neighbour the offsets are 0, which changes no sum: p_i, which also has the offset 0,
+      // counts.
       if constexpr (kWithPoint) {
         sums.Include(o);
       } else {
@@ -137,7 +138,7 @@ class FeatureLanes {
     const V height = hn::Mul(hn::Sub(sums_.high, sums_.low), ReciprocalOfPower(Lanes(), sums_.scaling.scale));
     StoreNumbers(height, points_, out_[Feature::height_range]);
   }
-  /// Marks points without extent as degenerate. `centered`: sums_.Centered().
+  /// Marks points without extent as degenerate if FeatureColumns::marks_without_extent. `centered`: sums_.Centered().
   HWY_INLINE void MarkPlaces(const Matrix& centered, DegeneratePoints& degenerate) const {
     if (out_.marks_without_extent) points_.MarkWithout(HasExtent(centered), degenerate);
   }
@@ -196,7 +197,7 @@ class FeatureLanes {
   const PointSums& sums_;
 };
 
-/// Returns whether a wanted feature needs eigenvalues or eigenvectors.
+/// Returns whether a wanted feature, or FeatureColumns::marks_lines, needs eigenvalues or eigenvectors.
 bool NeedsEigenvalues(const FeatureColumns& out) {
   for (std::size_t f = 0; f < static_cast<std::size_t>(Feature::height_range); ++f)
     if (!out.numbers[f].empty()) return true;

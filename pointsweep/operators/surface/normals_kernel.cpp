@@ -14,8 +14,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-/// Stores normals, and marks points without a normal as degenerate. The moments lack constant factors, which do not
-/// change eigenvectors.
+/// Stores normals, and marks points without a normal as degenerate. The moments of a point are M_i times a positive
+/// factor, which does not change eigenvectors.
 HWY_INLINE void StoreNormals(const Moments& moments, const Eigen3Lanes<V>& e, const Points& points,
                              std::span<std::array<float, 3>> normals, DegeneratePoints& degenerate) {
   const Lanes d;

@@ -23,12 +23,12 @@ namespace pointsweep {
 /// that holds m points of a surface of even density has area m / density, and random ellipses of that area leave a
 /// fraction e^-m of the surface uncovered, 0.03 % for eight; the measured fractions are 0.00 % to 0.08 %
 /// (docs/paper.md). For points on a square grid the circles are twice as wide as necessary. Holding all of N_i instead
-/// would make splats grow with k. Neighbours on p_i itself, or exactly above it, do not count. With x and y along the
-/// axes, the length is the eighth smallest √(x² + (y/ratio)²); with m < 8 neighbours, it is √(8/m) times the largest. θ
-/// of M_i is in single precision, all else in double.
+/// would make splats grow with k. Neighbours on p_i, or on the normal line through p_i, do not count. With x and y
+/// along the axes, the length is the eighth smallest √(x² + (y/ratio)²); with m < 8 neighbours, it is √(8/m) times the
+/// largest. θ of M_i is in single precision, all else in double.
 ///
 /// Makes "splat_axis" (unit), "splat_length" (major semi-axis) and "splat_ratio" (minor over major, in [1/8, 1]). All
-/// are 0, and the point counted as degenerate, where the point has no normal or no neighbour off p_i, or where an
+/// are 0, and the point counted as degenerate, where the point has no normal or no neighbour that counts, or where an
 /// offset overflows or is not finite.
 class Splats : public LocalOperator {
  public:

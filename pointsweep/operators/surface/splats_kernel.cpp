@@ -31,7 +31,7 @@ Ellipse MakeEllipse(const Vector& axis, V flatness) {
   return {axis, hn::Min(hn::Max(flatness, hn::Set(Lanes(), kThinnest)), hn::Set(Lanes(), 1.0))};
 }
 
-/// Returns the ellipse from the eigenvectors of M_i.
+/// Returns the ellipse from the eigenvalues and eigenvectors of M_i.
 HWY_INLINE Ellipse EllipseOfPositions(const Moments& moments, const Vector& normal) {
   const Lanes d;
   const Eigen3Lanes<V> e = EigenSymmetric3(d, moments.m)[0];
@@ -53,11 +53,12 @@ HWY_INLINE Ellipse EllipseOfCurvature(const Tile& tile, const Extents& extents, 
   return {Choose(found, ridge.major, otherwise.major), hn::IfThenElse(found, ridge.ratio, otherwise.ratio)};
 }
 
-/// The reach of a neighbour: the squared major semi-axis of the ellipse through it, projected into the plane of the
-/// ellipse. Only neighbours with a reach greater than 0 count.
+/// Computes reaches of neighbours and counts them (`seen`). A reach is the square of the major semi-axis of the ellipse
+/// through the projection of a neighbour onto the tangent plane, with offsets times `scale`. Only neighbours with a
+/// reach greater than 0 count.
 struct Reaches {
   V scale;
-  Vector major, across;  // across: the minor axis divided by the ratio
+  Vector major, across;  // across: unit vector along the minor axis, divided by the ratio
   V seen = hn::Zero(Lanes());
 
   Reaches(const Ellipse& ellipse, const Vector& normal, V power)
@@ -104,7 +105,7 @@ struct Least : Reaches {
       v = smaller;
     }
   }
-  /// Returns the greatest of the reaches kept.
+  /// Returns the greatest of the reaches kept; infinity if no neighbour counts.
   V Last() const {
     V last = least[0];
     for (std::size_t i = 1; i < kHeld; ++i)
@@ -123,7 +124,8 @@ HWY_INLINE void StoreSplats(const Ellipse& ellipse, V length, const Points& poin
   points.MarkWithout(found, degenerate);
 }
 
-/// Stores the ellipses of a vector of points, with the size at which they contain the required neighbours.
+/// Stores the ellipses of a vector of points, in the size at which an ellipse holds kHeld neighbours; with m < kHeld
+/// neighbours that count, √(kHeld / m) times the size at which it holds all of them.
 template <class Kept>
 HWY_INLINE void StoreFitted(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t v,
                             const Ellipse& ellipse, const Vector& normal, const SplatColumns& out,
