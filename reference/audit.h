@@ -65,8 +65,8 @@ class Suspects {
 /// separate kD-heap, which is searched when a point comes. Points already written lie at or before the last written
 /// point along the axis; if a neighbourhood reaches that far, these points are read again. So the counts are exact:
 /// `incomplete` counts the neighbourhoods that differ from the exact ones. A rule of neighbourhoods (Shortening)
-/// shortens the found list and the exact list before both are compared. The audit only observes. Its time is
-/// measured separately from the algorithm, except for written().
+/// shortens the found list and the exact list before both are compared. The audit only observes. Its time is measured
+/// separately from the algorithm, except for written().
 class Audit {
  public:
   /// `stream`: the stream of the ReadOperator, in canonical order.

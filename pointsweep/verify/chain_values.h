@@ -20,10 +20,11 @@
 
 namespace pointsweep {
 
-/// Returns the fields of the output that hold a made attribute; nothing if the attribute was not written.
+/// A function that returns the fields of the output that hold a made attribute; nothing if the attribute was not
+/// written.
 using OutputColumns = std::function<std::optional<std::vector<FieldPair>>(const Attribute& made)>;
 
-/// The values of the kept attributes of some points, point after point.
+/// The values of the kept attributes (ChainValues::made()) of some points, ordered by point, then by attribute.
 struct ChainResults {
   std::vector<std::byte> values;  ///< result_bytes() for each point, in the types of the attributes
   Estimates estimates;            ///< estimates_per_point() for each point: values with error bounds
@@ -56,12 +57,13 @@ class ChainValues {
   std::size_t result_bytes() const;
   std::size_t estimates_per_point() const;
   /// Returns the number of rings of points (Surroundings) that need lists of neighbours: 0 without operators; 1 if
-  /// stages read only positions and input attributes of neighbours; one more for each stage that reads attributes which
-  /// another stage has made for the neighbours.
+  /// stages read only positions and input attributes of neighbours; one more for each link of the longest chain of
+  /// stages in which each stage reads what the stage before it has made for neighbours.
   std::size_t rings() const;
 
-  /// Returns the results of the chosen points of `around`, which has rings() rings. Reads the input once more if an
-  /// operator reads attributes of the file. `rows`: the rows given to look_at_cloud().
+  /// Returns the results of the chosen points of `around`, which has rings() rings. Reads records of the input if an
+  /// operator or the rule reads attributes of the file; formulas over the whole cloud may read all rows. `rows`: the
+  /// rows given to look_at_cloud().
   ChainResults evaluate(Surroundings around, RowSource& in, CloudRows& rows) const;
   /// Evaluates the chain for points whose coordinates are not all finite, which have no neighbours. A stage that reads
   /// only the point itself treats such points as any other, and a cloud formula may state their values
@@ -91,7 +93,7 @@ class ChainValues {
     bool applied = false;
     std::vector<std::uint16_t> reads = {}, reads_neighbors = {}, makes = {};
     int position = -1;   ///< column of the moved positions that the stage reads; negative for positions of the input
-    bool alone = false;  ///< true if the stage reads only the point itself
+    bool alone = false;  ///< true if the stage reads no lists of neighbours
     int ring = -1;       ///< outermost ring that needs the values of the stage; negative if none needs them
   };
   struct FileColumn {

@@ -62,8 +62,8 @@ bool depends_on_all_points(const StageOperator& op) {
                     op);
 }
 
-/// Returns whether the values of the stage can be computed from a sample of the input, or from all its points if they
-/// have not moved.
+/// Returns whether the values of the stage can be computed from a sample of the input, or, by a cloud formula, from all
+/// its points if they have not moved.
 bool is_told_by_input(const GraphNode& node) {
   return !depends_on_all_points(*node.op()) || (!node.position && has_cloud_formula(*operator_of(*node.op())));
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A check of tiles and buffers against their definition in run.h, without the code of the run.
+/// A check of the division into tiles with buffers, or by the values of an attribute, against its definition in run.h,
+/// without the code of the run.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -64,10 +65,10 @@ std::set<Surrounding> surroundings_in(std::string_view name, std::span<const dou
   return all;
 }
 
-/// The hashes of the position and of all values of a point in a buffer.
+/// The hashes of the position and of the values of a point in a buffer.
 struct BufferPoint {
   std::uint64_t place;
-  std::uint64_t values;  ///< hash of all values of the point
+  std::uint64_t values;  ///< hash of all values of the point except `buffer`
 };
 
 /// Sums of the hashes of all points of a buffer, which do not depend on the order of the points. Equal buffers have
@@ -138,7 +139,8 @@ class PlacesOfPoints {
 
   double edge(std::size_t axis, double tile) const { return division_.tile_origin[axis] + tile * *division_.tile; }
 
-  /// Returns the part to which a point belongs; nothing for a point whose x or y is not finite.
+  /// Returns the part to which a point belongs; in a division into tiles, nothing for a point whose x or y is not
+  /// finite.
   std::optional<Part> part_of(const std::byte* record, Vec3 p) const {
     if (!division_.tile) return Part{value_of(*attribute_, record), 0};
     if (!std::isfinite(p.x) || !std::isfinite(p.y)) return std::nullopt;

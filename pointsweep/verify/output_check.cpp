@@ -52,8 +52,8 @@ struct OutputCheck {
   bool says_how() const { return !options.pipeline.empty() || !neighborhood.empty() || !options.keep.empty(); }
 };
 
-/// Returns whether the order of the output's points is unknown: it differs from the input's, and no option or record
-/// states it.
+/// Returns whether the order of the output's points is unknown: neither that of the input nor stated by an option or a
+/// record, as in a divided output and in a format that reorders points.
 bool is_in_any_order(const OutputCheck& check) {
   const Format* const format = format_of_output(check.first_file());
   return check.is_divided() || (format != nullptr && format->reorders);
@@ -84,9 +84,9 @@ void take_recorded_pipeline(OutputCheck& check, const ProvenanceRecord& record) 
   }
 }
 
-/// Returns whether the order in the record is not the order of the output's rows among the rows of the named inputs:
-/// the record names other inputs, or describes a divided output while the output is a single file, made from the parts
-/// later.
+/// Returns whether the record states the order of other rows than those of the inputs that the user has named: the
+/// record names other inputs, or it describes a divided output while the output is a single file, made from the parts
+/// later. False if the user has named no inputs.
 bool is_of_other_rows(const OutputCheck& check, const ProvenanceRecord& record) {
   if (check.inputs.empty()) return false;
   if (check.tiles.empty() && recorded_division(record).divides()) return true;

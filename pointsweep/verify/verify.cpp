@@ -143,7 +143,8 @@ class Verification {
     return false;
   }
 
-  /// Reads all points: compares all values, and stores the positions of the sample and of a thin subset.
+  /// Reads all points: compares all values, unless the output is an array, and stores the positions of the sample and
+  /// of a thin subset.
   void compare() {
     const std::uint64_t stride = std::max<std::uint64_t>(1, in_.count() / kSubset);
     std::size_t next = 0;
@@ -436,7 +437,8 @@ class Verification {
   std::vector<std::pair<std::uint64_t, std::string>> suspects_;  ///< rows that seem to be wrong, with the reason
   int axis_ = -1;  ///< axis of the sweep in whose order the rows are; negative for any other order
   bool order_is_lost_ = false;
-  std::uint64_t unclear_ = 0;  ///< number of unconfirmed points with the values of more than kMostPossibleRows rows
+  /// Number of points of the sample that equal more than kMostPossibleRows rows, of which none compared is right.
+  std::uint64_t unclear_ = 0;
   Verdict verdict_;
 };
 

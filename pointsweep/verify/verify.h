@@ -52,8 +52,8 @@ struct MadeBy {
   /// All points of the cloud before voxel(keep=centroid); the input of the check then has one point of each voxel. Null
   /// without such a stage.
   std::shared_ptr<InputCloud> before_means = {};
-  /// The threshold of outliers, found in the output (outlier_threshold()). If the output lacks mean distances, verify()
-  /// computes the threshold from the input.
+  /// The threshold of outliers, found in the output (outlier_threshold()). If the output lacks rows, or a later stage
+  /// has made the mean distances again, verify() computes the threshold from the input.
   CloudThreshold outlier_threshold = {};
   /// True if a select follows other stages, so that the output lacks some rows of the input.
   bool leaves_out = false;
@@ -77,14 +77,15 @@ struct MadeBy {
 /// brute-force search finds. `is_array`: `out` holds made values only. Values are compared with the precision of the
 /// output's types (FieldPair).
 ///
-/// If a select after other stages drops rows, half of the sample are rows that the output does not have. The earlier
-/// stages are evaluated on these rows of the input, and then the conditions, which decide whether a row stays.
+/// If a select after other stages drops rows, half of the sample (or fewer, if fewer were dropped) are rows that the
+/// output does not have. The earlier stages are evaluated on these rows of the input, and then the conditions, which
+/// decide whether a row stays.
 ///
 /// Reads both files once. Reads the input again for each ring of neighbours that the chain reads (normals and splats 1,
-/// curvature 2, fairing with splats from curvature 3), for the order of a sweep, and for stages that depend on all
-/// points. A thin subset of the cloud first gives an upper bound for the distances of the neighbours of each chosen
-/// point. Each point of the input is then compared only with the chosen points within their bounds. A pass takes about
-/// 0.3 µs per point.
+/// curvature 2, fairing with splats from curvature 3), as many times as the sample has parts that fit in memory one by
+/// one; for the order of a sweep or for dropped rows; and for stages that depend on all points. A thin subset of the
+/// cloud first gives an upper bound for the distances of the neighbours of each chosen point. Each point of the input
+/// is then compared only with the chosen points within their bounds. A pass takes about 0.3 µs per point.
 Verdict verify(InputCloud& in, RowSource& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options = {});
 
 /// Returns the newest record of a point file; none if the file is an array, has no record or a record without stages.
@@ -96,9 +97,10 @@ std::optional<ProvenanceRecord> recorded_run(const std::filesystem::path& file);
 std::vector<std::filesystem::path> recorded_inputs(const ProvenanceRecord& record, const std::filesystem::path& file);
 
 /// Returns the stages of a plan that can be checked: up to the first new neighbourhood or voxel(keep=centroid), without
-/// stages that depend on all points after points have moved, and, after a select that follows other stages, without
-/// stages that read neighbours. MadeBy::unchecked lists the attributes that the other stages make. Selects at the
-/// beginning of the chain are in neither list (see rows_kept_first()).
+/// stages that depend on all points after points have moved, without stages that read what a stage left out makes, and,
+/// after a select that follows other stages, without stages that read neighbours or depend on all points.
+/// MadeBy::unchecked lists the attributes that the other stages make. Selects at the beginning of the chain are in
+/// neither list (see rows_kept_first()).
 MadeBy made_by(const ChainPlan& plan);
 
 /// Limits a check to the selects after other stages, so that it compares no made attribute.

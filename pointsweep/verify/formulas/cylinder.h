@@ -15,8 +15,8 @@ class Cylinder {
  public:
   Cylinder(Vector center, const Estimate& normal, Real diameter, Real depth);
 
-  /// Returns whether the cylinder has an axis: false if the normal is 0 or not finite. change() then returns counts
-  /// of 0, and NaN for all other values.
+  /// Returns whether the cylinder has an axis: false if the normal is 0 or not finite. change() then returns counts of
+  /// 0, and NaN for all other values.
   bool has_axis() const { return norm(axis_) > 0; }
   /// Returns whether the normal is in doubt, or whether for some point errors decide whether the cylinder holds it.
   bool is_open() const { return open_; }

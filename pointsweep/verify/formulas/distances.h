@@ -31,8 +31,8 @@ enum class OutlierProgram { pointsweep, pdal, pcl, open3d, cloudcompare };
 Estimate mean_distance(const Place& p, std::span<const Place> neighbors, bool of_open3d);
 
 /// Returns 1 for the mean distance of an outlier, else 0. An outlier has a distance of NaN or above the threshold; in
-/// PDAL and Open3D also equal to the threshold; in Open3D also 0. Open if errors
-/// decide or if the threshold is NaN, unless Open3D's 0 decides.
+/// PDAL and Open3D also equal to the threshold; in Open3D also 0. Open if errors decide or if the threshold is NaN,
+/// unless Open3D's 0 decides.
 Estimate outlier(const Estimate& mean_distance, Real threshold, Real threshold_error, OutlierProgram program);
 
 /// A neighbour in a row of the neighbour graph.
@@ -43,8 +43,7 @@ struct GraphNeighbor {
 };
 
 /// A row of the neighbour graph: neighbours ordered by ((dx² + dy²) + dz²) in float64, equal distances by x, y, z, then
-/// row; points at a distance of NaN last, by row. `certain` is false if errors of positions may change the
-/// order.
+/// row; points at a distance of NaN last, by row. `certain` is false if errors of positions may change the order.
 struct GraphRow {
   std::vector<GraphNeighbor> neighbors;
   bool certain = true;

@@ -80,8 +80,8 @@ inline Real double_weight_error(Real x) { return 16 * kDouble * (1 + x); }
 /// it, relative to the sum of the magnitudes of the numbers.
 inline Real rounding_of_sum(std::size_t terms) { return (static_cast<Real>(terms) + 64) * kDouble; }
 
-/// A position, and a bound of its distance from the position that the operator reads. The bound is 0 unless an
-/// operator has moved the point.
+/// A position, and a bound of its distance from the position that the operator reads. The bound is 0 unless an operator
+/// has moved the point.
 struct Place {
   Vector at;
   Real error = 0;

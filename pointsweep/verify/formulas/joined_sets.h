@@ -83,8 +83,8 @@ class Flatness {
   void add(Vector p);
 
   /// Returns the root mean square distance of the points to their best-fitting plane, as float32; 0 for fewer than four
-  /// points. The error bound covers the operator's rounding of coordinates to multiples of 2^-40, and 64 roundings
-  /// of the mean squared distance from the centroid.
+  /// points. The error bound covers the operator's rounding of coordinates to multiples of 2^-40, and 64 roundings of
+  /// the mean squared distance from the centroid.
   Estimate residual() const;
 
  private:

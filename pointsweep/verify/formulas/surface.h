@@ -51,9 +51,9 @@ struct CurvatureHere {
 /// k1_direction and the ratio is √(k2/k1). Ratios below 1/8 become 1/8.
 ///
 /// The length is the 8th smallest of q_j = √(x² + (y/ratio)²) over the neighbours off p_i, with x and y the coordinates
-/// of p_j - p_i along the axes. With only m < 8 such neighbours it is √(8/m) times the largest q_j: the ellipse
-/// that reaches the farthest of them is enlarged to 8/m times its area. Neighbours whose x and y are 0 do not count.
-/// All values are 0 without a normal, without a neighbour that counts, or if an offset is not finite.
+/// of p_j - p_i along the axes. With only m < 8 such neighbours it is √(8/m) times the largest q_j: the ellipse that
+/// reaches the farthest of them is enlarged to 8/m times its area. Neighbours whose x and y are 0 do not count. All
+/// values are 0 without a normal, without a neighbour that counts, or if an offset is not finite.
 Splat splat(const Place& p, const Estimate& n, std::span<const Place> neighbors, const CurvatureHere* curvature);
 
 /// The values that Equation 3 reads of a point.

@@ -182,8 +182,8 @@ class Levels {
   void take(int depth, double spacing) {
     for (std::size_t i = 0; i < level_.size(); ++i)
       if (level_[i] == kNone && leaf_[i] == depth) level_[i] = depth;
-    // Cells are slightly wider than the spacing, so that all points nearer than the spacing lie in the same cell
-    // or in adjacent ones.
+    // Cells are slightly wider than the spacing, so that all points nearer than the spacing lie in the same cell or in
+    // adjacent ones.
     Cells cells;
     const double edge = spacing * 1.0001;
     const auto cell = [&](std::size_t i) {

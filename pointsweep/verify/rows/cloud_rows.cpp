@@ -65,8 +65,8 @@ void CloudRows::require(std::span<const ColumnSource> columns) const {
     require_memory(count() * (sizeof(PlaceOfRow) + components_of(columns) * sizeof(double)), *this);
 }
 
-/// Returns the values of the columns for each row of the input. Sorts all positions of the input to find the rows of
-/// the output.
+/// Returns values[row * components + c] for each row of the input, with c counted over all columns; 0 for columns that
+/// are not in the output. Sorts all positions of the input to find the rows of the output.
 std::vector<double> CloudRows::values_in_order_of_input(std::span<const ColumnSource> columns, std::size_t components) {
   require(columns);
   std::vector<PlaceOfRow> order;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// All rows of a cloud with values of the input or of the output, for formulas that read the whole cloud.
+/// All rows of a cloud with values of the input, of the output, or computed again, for formulas that read the whole
+/// cloud.
 #pragma once
 
 #include <cstddef>

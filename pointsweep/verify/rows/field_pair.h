@@ -23,11 +23,12 @@ struct StoredPlaces {
 };
 
 /// Compares a value of one record with its copy in another, with the precision of the copy's type. Values are equal if
-/// - both are stored alike and their bits are equal; or else
-/// - storing the value of `from` in `to`, with colours scaled to the brightness of the type, gives the value of `to`: a
-///   format may round (LAS coordinates), and a value out of the range of its type equals no value. Integers on a
-///   decimal grid may be stored as the decimal fractions that they stand for. If `from` is float32 and `to` float64,
-///   the float32 nearest to `to` is compared, since text files hold the fewest digits that identify a float.
+/// - both fields store values alike and the bits are equal; or
+/// - the fields differ, or an option rounds coordinates (StoredPlaces), and storing the value of `from` in `to`, with
+///   colours scaled to the brightness of the type, gives the value of `to`: a format may round (LAS coordinates), and a
+///   value out of the range of its type equals no value. Integers on a decimal grid may be stored as the decimal
+///   fractions that they stand for. If `from` is float32 and `to` float64, the float32 nearest to `to` is compared,
+///   since text files hold the fewest digits that identify a float.
 class FieldPair {
  public:
   /// Pairs one component of each field; `name` is used in messages. `places`: how the output stores coordinates;
@@ -46,11 +47,13 @@ class FieldPair {
   /// Returns a hash, equal for equal values: expected() for a record with `from`, found() for a record with `to`.
   std::uint64_t expected(const std::byte* from_record) const;
   std::uint64_t found(const std::byte* to_record) const;
-  /// Returns how much `value` may change when a format stores it: half a unit in the last place of `to`.
+  /// Returns how much `value` may change when a format stores it: half a unit in the last place of `to`, and a few
+  /// roundings in float64; 0 if it is stored exactly.
   double resolution(double value) const;
   double expected_value(const std::byte* from_record) const { return value_of(from_, from_record); }
   double found_value(const std::byte* to_record) const { return value_of(to_, to_record); }
-  /// Returns found_value(), rounded to float32 if the output is text with the fewest digits that identify a float32.
+  /// Returns found_value(), rounded to float32 if the run has made or rounded it as float32 and `to` is float64, as in
+  /// text with the fewest digits that identify a float32. With StoredPlaces::decimals it is not rounded.
   double found_number(const std::byte* to_record) const;
 
  private:
@@ -78,7 +81,7 @@ std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::si
                                                      StoredPlaces places = {}, StoredName stored_name = nullptr);
 
 /// The sum of the hashes of values modulo 2^64, which does not depend on their order. Equal multisets have equal sums;
-/// different multisets have equal sums with probability 2^-64.
+/// different multisets have equal sums with a probability of about 2^-64.
 class MultisetSum {
  public:
   void add(std::uint64_t value) { sum_ += mix(value); }
@@ -95,8 +98,9 @@ std::size_t file_of_row(std::span<const FileOfRows> files, std::uint64_t row);
 /// one file of each cloud are kept, so ascending rows are fastest.
 class FilePairs {
  public:
-  /// Borrows the sources. If they have equally many files, file i of the output is taken to hold rows of file i of the
-  /// input. `in_any_order`: true if rows of the output may be in any file.
+  /// Borrows the sources. If they have equally many files, more than one, file i of the output is taken to hold rows of
+  /// file i of the input. Otherwise, and with `in_any_order` (rows of the output may be in any file), values are
+  /// compared as the records of the sources store them.
   FilePairs(const RowSource& in, const RowSource& out, bool in_any_order, std::vector<FieldPair> pairs);
 
   const std::vector<FieldPair>& all() const { return pairs_; }

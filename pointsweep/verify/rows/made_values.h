@@ -20,13 +20,14 @@ namespace pointsweep {
 /// Returns the schema of records of the values of `made`, in this order, with `prefix` before all names but x, y and z.
 Schema schema_of_made(const std::vector<Attribute>& made, const std::string& prefix);
 
-/// Returns whether a field of an output comes from a field of `schema`.
+/// Returns whether `name`, a field of an output, is a name under which a writer stores a field of `schema`.
 bool is_field_of(const Schema& schema, const std::string& name);
 
 /// The function Format::own_field of a format; null for a format that adds no fields.
 using OwnField = std::optional<double> (*)(std::string_view name);
 
-/// Returns the fields among `names` that belong to the format of `out` and hold their default values in all rows.
+/// Returns the fields among `names` that belong to the format of `out` and hold their default values in all rows, apart
+/// from the values that a writer derives: the overlap flag of class 12, and the state of a point that is not finite.
 std::vector<std::string> unfilled_fields(RowSource& out, const std::vector<std::string>& names, OwnField own_field);
 
 /// The one to three components of an attribute that share one estimate, and their fields in the output.
@@ -38,9 +39,9 @@ class MadeValue {
   /// Returns this value, to be compared as a file with the schema `to` stores it (FieldPair::in_files).
   MadeValue in_file(const Schema& to) const;
 
-  /// Returns the first wrong component; nothing if the value is right. Estimates without error are compared by
-  /// FieldPair, bit for bit if the types are equal. Other values may differ by their error and one rounding to the type
-  /// of the output.
+  /// Returns a wrong component; nothing if the value is right or its estimate is open. Estimates without error are
+  /// compared by FieldPair, bit for bit if the types are equal, and the first wrong component is returned. Other values
+  /// may differ by their error and one rounding to the type of the output; the component that differs most is returned.
   std::optional<std::size_t> wrong_component(const formulas::Estimate& estimate, const std::byte* result,
                                              const std::byte* record) const;
   /// Returns "nx is 0.3, but 0.2 by brute force, give or take 1e-07".

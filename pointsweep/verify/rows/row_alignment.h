@@ -16,7 +16,7 @@
 namespace pointsweep {
 
 struct RowAlignment {
-  std::vector<std::uint64_t> kept;            ///< for each row of the output, its row in the input; ascending
+  std::vector<std::uint64_t> kept;            ///< for each matched row of the output, its row in the input; ascending
   std::optional<std::uint64_t> not_of_input;  ///< the first row of the output without a match in the rest of the input
 
   bool has(std::uint64_t row) const { return place_of(row).has_value(); }

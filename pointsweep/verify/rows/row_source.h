@@ -35,7 +35,7 @@ class RowSource {
   /// Borrows the cloud or the reader.
   explicit RowSource(InputCloud& cloud);
   explicit RowSource(Reader& reader);
-  /// `name`: name of all files together in messages. `left_out`: a field that the source hides.
+  /// `name`: name of all files together in messages. `left_out`: a field that the source hides; empty for none.
   RowSource(InputCloud& cloud, std::string name, const std::string& left_out);
   /// Selects the rows `chosen`, which ascend, of another source. Borrows both.
   RowSource(RowSource& rows, std::span<const std::uint64_t> chosen);
@@ -52,7 +52,7 @@ class RowSource {
   std::size_t block_rows() const { return std::max<std::size_t>(1, kBlockBytes / schema_.stride); }
 
   /// Returns the records [first, first + count), all of which exist; valid until the next call. Throws Error if the
-  /// file has changed.
+  /// file ends earlier, because it has changed.
   std::span<const std::byte> read(std::uint64_t first, std::size_t count);
   /// Returns block_rows() records from row `first` on, or fewer at the end of the rows; none if `first` is count().
   std::span<const std::byte> read_block(std::uint64_t first);

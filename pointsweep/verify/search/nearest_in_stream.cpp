@@ -19,7 +19,8 @@ constexpr int kFinest = 30;  ///< a grid has at most 2^30 cells along an axis
 /// point.
 double radius_of(double reach2) { return std::sqrt(reach2) * (1 + 1e-9) + 1e-150; }
 
-/// Returns the level of the finest grid over `extent` whose cells are at least `width` wide.
+/// Returns the level of the finest grid over `extent` whose cells are at least `width` wide; 0 if even one cell over
+/// all of `extent` is narrower.
 int level_of(double width, double extent) {
   int level = 0;
   while (level < kFinest && std::ldexp(extent, -(level + 1)) >= width) ++level;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The nearest points of chosen places by brute force: every point of a stream is compared with every place within
-/// whose bound the point lies. The search of the engine shares no code with it.
+/// whose bound the point lies (and with some others). The search of the engine shares no code with it.
 #pragma once
 
 #include <array>
@@ -15,14 +15,14 @@
 
 namespace pointsweep {
 
-/// Regular grids, each with cells half as wide as the one before. A ball is listed in the cells that it touches of the
-/// finest grid whose cells are at least as wide as the ball, so in at most 8. A query visits one cell of each grid that
-/// lists a ball. Cells are hashed, so a query may also visit balls that are far away, but it visits every ball that
-/// contains the point exactly once.
+/// Regular grids, whose cells are as wide as the extent of the centres divided by a power of two. A ball is listed in
+/// the cells that it touches of the finest grid whose cells are at least as wide as the ball, so in at most 8. A query
+/// visits one cell of each grid that lists a ball. Cells are hashed, so a query may also visit balls that are far away,
+/// but it visits every ball that contains the point exactly once.
 class BallIndex {
  public:
   /// Indexes balls around `centers` with squared radii `reach2`, which may be infinite. Balls are numbered from 0;
-  /// there are fewer than 2^28.
+  /// there must be fewer than 2^28.
   BallIndex(const std::vector<Vec3>& centers, const std::vector<double>& reach2);
 
   /// Calls use(ball) for each ball with distance2(center, p) <= reach2, and for some others.

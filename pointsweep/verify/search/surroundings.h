@@ -13,8 +13,8 @@
 
 namespace pointsweep {
 
-/// The rule for neighbours: the k nearest other points within `radius` (inclusive); all points within `radius` without
-/// a limit k.
+/// The rule for neighbours: the k nearest other points within `radius` (inclusive); all other points within `radius`
+/// without a limit k.
 struct NeighborRule {
   static constexpr std::size_t kUnlimited = NearestInStream::kAll;
   std::size_t k = 8;

@@ -189,7 +189,7 @@ class TakenValues final : public CloudFormula {
     return made;
   }
 
-  /// Returns the factor that converts a colour channel of the other cloud to the target type.
+  /// Returns the factor that converts a colour channel of the other cloud between u8 and u16; 1 for all other values.
   Real brightness(const Taken& taken, Type type) const {
     const Schema& schema = other_->schema();
     const std::string own = library_name_of(schema.fields[taken.field].name);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Independent evaluation of stages whose values depend on all points of a cloud: a search in another cloud, a raster,
-/// a graph. Values that such a stage reads are taken from the input, or from the output, where they are checked
-/// separately.
+/// a graph. Values that such a stage reads are taken from the input, from the output, where they are checked
+/// separately, or from the operators themselves, which compute them again (ColumnSource).
 #pragma once
 
 #include <memory>
@@ -68,7 +68,7 @@ std::unique_ptr<CloudFormula> cloud_formula_made(const FormulaSetup& stage) {
   return std::make_unique<Formula>(stage);
 }
 
-/// Returns whether the operator has a formula over the whole cloud.
+/// Returns whether a formula over the whole cloud has the name of the operator.
 bool has_cloud_formula(const Operator& op);
 /// Returns the formula of an operator; null for local operators, if no formula has the name of the operator, and for a
 /// voxel that only keeps rows. `makers`: the operator that makes each attribute of contract().reads, or null for

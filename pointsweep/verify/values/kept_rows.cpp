@@ -79,7 +79,8 @@ struct Competitor {
   auto key() const { return std::tuple(group, first, second, at.x, at.y, at.z, row); }
 };
 
-/// Keeps one point of each group. `competitor_of(row, position)` makes the competitor of a point.
+/// Keeps one point of each group, and all points that are not finite. `competitor_of(row, position)` makes the
+/// competitor of a point.
 template <class CompetitorOf>
 Mask least_of_groups(const KeptInput& in, CompetitorOf competitor_of) {
   Mask kept(in.cloud.count(), true);
@@ -99,7 +100,8 @@ Mask by_hash(const KeptInput& in) {
   });
 }
 
-/// Keeps the points with the least hashes, or all other points. Memory: 16 bytes × option `number`.
+/// Keeps the points with the least hashes, or all other finite points; points that are not finite stay. Memory: 16
+/// bytes × option `number`.
 Mask by_least_hashes(const KeptInput& in) {
   const std::uint64_t number = in.options.whole("number"), seed = in.options.whole("seed");
   const bool rest = in.options.word("rest") == "yes";

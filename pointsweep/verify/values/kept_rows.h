@@ -21,9 +21,9 @@ RowSelection selection_of(std::vector<bool> kept);
 
 /// Returns the cloud with the rows that all `operators`, which drop rows, keep. Conditions are evaluated row by row;
 /// `unique`, `voxel` and `poisson` sort points in memory. If `memory_bytes` is too small for all points, the cloud is
-/// read several times, for a part of the points each time. Further memory: up to three bits for each row, and for
-/// `sample` 16 bytes for each point of its option `number`. Throws UsageError for an operator whose rows cannot be
-/// checked.
+/// read several times, for a part of the points each time. Further memory: up to three bits for each row, for `sample`
+/// 16 bytes for each point of its option `number`, and for `poisson` an index of the kept points. Throws UsageError for
+/// an operator whose rows cannot be checked.
 InputCloud with_kept_rows(const InputCloud& cloud, const std::vector<StageOperator>& operators,
                           std::uint64_t memory_bytes, const PhaseProgress& progress);
 

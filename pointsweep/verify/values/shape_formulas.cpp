@@ -146,7 +146,7 @@ Affine map_of(const NamedOptions& options) {
   return options.has("inverse") && options.word("inverse") == "yes" ? map.inverse() : map;
 }
 
-/// Returns the power of the length in the unit of an attribute, e.g. -2 for "1/length^2".
+/// Returns the power of the length in the unit of an attribute, e.g. -2 for "1/length^2"; 0 without a length.
 int power_of(const std::string& unit) {
   if (unit.find("length") == unit.npos) return 0;
   const int size = unit.ends_with("^3") ? 3 : unit.ends_with("^2") ? 2 : 1;

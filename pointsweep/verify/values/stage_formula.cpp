@@ -133,7 +133,7 @@ class ColorFormula {
 
   ReadValue source_;
   formulas::ColorScale scale_;
-  std::optional<double> lo_ = {}, hi_ = {};  ///< absent until the values of the cloud are known
+  std::optional<double> lo_ = {}, hi_ = {};  ///< ends of the scale; absent if not known yet, and for classes
   int widen_;
 };
 

@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-/// Stores a number, rounded once to its type.
+/// Stores a number, converted once to its type; a fraction is cut off for u64, i64 and u32.
 void put_number(Type type, formulas::Real number, std::byte* to) {
   const auto copy = [to](auto value) { std::memcpy(to, &value, sizeof value); };
   if (type == Type::f32) return copy(static_cast<float>(number));

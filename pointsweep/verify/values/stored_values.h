@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Values of attributes in memory as numbers, and estimates as values. Whole numbers of 64 bits stay exact.
+/// Values of attributes in memory as numbers, and estimates as values. Whole numbers of 64 bits stay exact if their
+/// field is plain and has the type that is read.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +17,8 @@ void put_value(const Field& field, const std::byte* record, Type type, std::byte
 /// Returns component number `component` of the value.
 formulas::Real number_in(Type type, const std::byte* value, std::size_t component = 0);
 
-/// Stores the value of an attribute at `to`, each component rounded once to its type. Up to three components come from
-/// one estimate; more components come from one estimate each.
+/// Stores the value of an attribute at `to`, each component converted once to its type. Up to three components come
+/// from one estimate; more components come from one estimate each.
 void put_estimates(const Attribute& a, const formulas::Estimate* estimates, std::byte* to);
 
 /// Returns how an attribute of this type stores a number.
