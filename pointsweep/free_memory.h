@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Functions that return freed memory to the system at once. Memory that is free but still with the allocator counts
-/// as memory of the process.
+/// Functions that free memory, and that return freed memory to the system at once. Memory that is free but still with
+/// the allocator counts as memory of the process.
 #pragma once
 
 #include <cstdint>

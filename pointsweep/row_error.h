@@ -43,8 +43,8 @@ class RowError : public Error {
   RowSentence sentence_;
 };
 
-/// Calls `work()`. Replaces a RowError by an Error that names the row "5 of the output": for writers, whose rows differ
-/// from the rows of the input.
+/// Calls `work()`. Replaces a RowError by an Error that names the row like "5 of the output": for writers, whose rows
+/// differ from the rows of the input.
 template <class Work>
 void with_rows_of_output(const Work& work) {
   try {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The threads of a run: parallel loops, the exception that a parallel loop throws, background tasks, and objects that
-/// background tasks make ahead of their use. This header is the library's only interface to threads, and only
-/// threads.cpp uses oneTBB.
+/// background tasks make ahead of their use. All parallel loops of the core but for_each_waiting()
+/// (storage/remote/remote_object.h) go through this header, and only threads.cpp uses oneTBB.
 #pragma once
 
 #include <algorithm>
@@ -18,18 +18,18 @@
 
 namespace pointsweep {
 
-/// Calls work() so that the loops in it use `threads` threads (at least 1), including the calling thread.
+/// Calls work() so that the loops in it use up to `threads` threads, including the thread of work(). 0 counts as 1.
 void with_threads(unsigned threads, const std::function<void()>& work);
 
 /// Returns the number of threads of a loop that this thread starts: the number of with_threads(), or one for each core.
 /// Each `worker` of a loop is lower than this number.
 unsigned thread_count();
 
-/// Calls body(i, worker) once for each i in [0, count). Calls with the same worker never run at once, so that each
-/// worker can have its own memory. A body may itself call parallel_for, even while it holds a lock: its thread then
-/// runs no other body until the inner loop ends. Returns when all bodies have returned. An exception ends the loop for
-/// all higher `i`; the exception of the lowest `i` is thrown, for any number of threads. Bodies run in the caller's
-/// CancellationScope; Cancelled is thrown if its token is cancelled.
+/// Calls body(i, worker) once for each i in [0, count). Calls of one loop with the same worker never run at once, so
+/// that each worker can have its own memory. A body may itself call parallel_for, even while it holds a lock: its
+/// thread then runs only bodies of the inner loop until that loop ends. Returns when all bodies have returned. An
+/// exception ends the loop for all higher `i`; the exception of the lowest `i` is thrown, for any number of threads.
+/// Bodies run in the caller's CancellationScope; Cancelled is thrown if its token is cancelled.
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, unsigned worker)>& body);
 
 /// Calls body(first, n, worker) for successive blocks of `block` numbers that cover [0, count); the last block may be
@@ -90,8 +90,8 @@ class BackgroundTask {
   std::unique_ptr<State> state_;
 };
 
-/// A queue of the objects make(i) for i in [first, end), in order, of which up to `depth` are made ahead in the
-/// background.
+/// A queue of the objects make(i) for i in [first, end), in order, of which up to `depth` (at least 1) are made ahead
+/// in the background.
 template <class Thing>
 class Prefetch {
  public:

@@ -33,8 +33,8 @@ class Joined {
     const std::uint32_t i = set_of(parents_, place_of(a)), j = set_of(parents_, place_of(b));
     parents_[i] = j;
   }
-  /// Sums the points and votes of each set and concludes the votes. record(node) returns the record of a component; it
-  /// is called tile by tile in ascending order.
+  /// Sums the points and votes of each set and concludes the votes. record(node) returns the record of a component of a
+  /// tile; the calls go through the tiles in ascending order.
   template <class Record>
   void add_up(Record record) {
     whole_.resize(parents_.size());
@@ -196,7 +196,8 @@ void join_crossings(const Storage& scratch, const TileCatalogue& tiles, const st
   }
 }
 
-/// Numbers the components of all tiles in the order of their first points.
+/// Numbers the components of the whole cloud in the order of their first points. A component that its votes exclude
+/// (VoteRule::counts()) gets ComponentLabel::kNone.
 void number_components(Storage& scratch, const std::vector<std::string>& names, const OpenVotes& votes, Joined& joined,
                        const std::string& key) {
   struct Front {

@@ -24,12 +24,14 @@ struct NeededPoints {
 };
 
 /// Returns the points that an operator with `reach` has to know for its results in tile `number`, all points of the
-/// tile included. `working`: Stream::record_schema() of the tile when it was stored. The source borrows the arguments.
+/// tile included. `working`: Stream::record_schema() of the tile when it was stored. The source borrows `scratch` and
+/// `tiles`.
 NeededPoints needed_points(const Storage& scratch, const TileCatalogue& tiles, std::size_t number,
                            const Schema& working, const InOrderOperator& op, const Reach& reach);
 
 /// Returns the points of the cloud `other` that the operator has to know for its results in tile `number`. `working`:
-/// Stream::record_schema() of the files of the other cloud when they were stored.
+/// Stream::record_schema() of the files of the other cloud when they were stored. If no point is needed, returns the
+/// points of one block of `other`, if it has any. The source borrows `scratch` and `other`.
 NeededPoints needed_of_other(const Storage& scratch, const TileCatalogue& tiles, std::size_t number,
                              const TileCatalogue& other, const Schema& working, const InOrderOperator& op);
 

@@ -70,8 +70,9 @@ class PartCutter {
     return {t, slab == 0 ? 0 : ends[slab - 1], ends[slab]};
   }
 
-  /// Divides the blocks of the other tiles into blocks that touch the box `known` and blocks that do not. Each group of
-  /// tiles that does not touch the box `around` makes one slab.
+  /// Divides the blocks of the other tiles into blocks that touch the box `known` and blocks that do not. A group of
+  /// tiles that does not touch the box `around` makes one slab. Of a nearer tile whose regions do not touch `known`,
+  /// each region makes one slab.
   void look_around(const Box& known, const Box& around) {
     for (const TileGroup& group : tiles_.groups) {
       if (!touch(around, group.box)) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The stream of one tile of a cloud. It contains the points of the tile, points of other tiles near it (the halo), and
-/// all other points of the cloud, which only the recall (sweep/recall.h) reads.
+/// all other points of the cloud with finite coordinates, which only the recall (sweep/recall.h) reads.
 #pragma once
 
 #include <cstdint>

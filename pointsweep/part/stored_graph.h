@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The objects of a storage that hold the graph of a tile with weights: its points and edges, bucket by bucket, from
-/// which the tile's forest is grown; its border; and the spanning forest whose points at the border are open.
+/// The objects of a storage that hold the weighted graph of a tile: the points and edges, bucket by bucket, from which
+/// the tile's forest is grown; the border of the tile; and the spanning forest whose points at the border are open.
 /// spanning_forest.h explains open points and supernodes.
 #pragma once
 

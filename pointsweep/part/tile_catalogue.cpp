@@ -104,7 +104,8 @@ class Grouper {
   std::vector<TileGroup> groups_;
 };
 
-/// Returns the share of the volume of `box` that `other` covers, in [0, 1].
+/// Returns the share of the volume of `box` that `other` covers, in [0, 1]. An axis along which `box` has no extent
+/// counts as covered if the boxes touch along it.
 double covered_share(const Box& box, const Box& other) {
   double share = 1;
   for (int a = 0; a < 3 && share > 0; ++a) {

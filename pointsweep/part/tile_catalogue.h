@@ -36,8 +36,8 @@ struct TileSummary {
   std::vector<TileRegion> regions;  ///< at most 16 regions, which hold the points that other tiles may have to know
 };
 
-/// Small tiles that lie close together. part_stream() makes one slab of a distant group, which saves most of its time
-/// for a tile of a cloud of 10,000 tiles.
+/// Small tiles that lie close together, or a single tile of any size. part_stream() makes one slab of a distant group.
+/// In a cloud of 10,000 tiles, groups save most of the time of part_stream().
 struct TileGroup {
   std::vector<std::uint32_t> tiles;  ///< numbers of the tiles, at most 32
   std::uint64_t count = 0;           ///< number of points in the regions, at most 65,536 in a group of several tiles
@@ -57,13 +57,13 @@ struct TileCatalogue {
 };
 
 /// Makes the catalogue from the indices of the tiles with these names, in the order of the inputs. Throws Error if two
-/// tiles have records of different layouts; `paths` are the names of the inputs in the message.
+/// tiles that have rows have records of different layouts; `paths` are the names of the inputs in the message.
 TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string>& names,
                            const std::vector<std::string>& paths);
 
 /// Returns the catalogue that seal_bytes() has stored under `key`. Many tasks of a process read the same catalogue, so
-/// the process keeps the two catalogues that were used last and does not decode a kept one again. Catalogues are equal
-/// if their objects have the same size and checksum. Thread-safe. Throws Error like sealed_value().
+/// the process keeps the two catalogues that were used last and does not decode a kept one again. Catalogues count as
+/// equal if their objects have the same size and checksum. Thread-safe. Throws Error like sealed_value().
 std::shared_ptr<const TileCatalogue> shared_catalogue(const Storage& scratch, const std::string& key);
 
 /// The box of a tile, which may be empty, and the number of points of the tile.
@@ -105,7 +105,8 @@ class TileReader {
   struct Opened {
     TileIndex index;
     std::unique_ptr<Source> points;
-    std::vector<std::uint64_t> first;  ///< number of the first record of each block, then the number of all records
+    /// Number of the first record of each block, then the number of records of all blocks.
+    std::vector<std::uint64_t> first;
   };
   const Opened& opened(std::size_t tile);
   void require_whole(std::size_t tile, std::span<const std::byte> records, std::uint64_t checksum) const;

@@ -159,7 +159,8 @@ void leave_forest(Storage& scratch, const std::string& graph, const std::string&
 void leave_no_forest(Storage& scratch, const std::string& name) { seal_forest(scratch, name, {}); }
 
 /// Builds the forest of all tiles. For each tile in order: adopts the supernodes of the tile's forest, joins them by
-/// the edges between this tile and earlier tiles, and closes the points that have no edges to later tiles.
+/// the edges between this tile and earlier tiles, and closes the open points of this and earlier tiles that have no
+/// edges to later tiles.
 void join_forests(Storage& scratch, const std::vector<std::string>& names, const std::string& borders,
                   const TileGraphSetup& setup, const std::string& key) {
   ForestLog log(setup.make_scratch, OpenVotes(setup.votes).concluded_bytes());

@@ -2,8 +2,8 @@
 /// The minimum spanning forest of a graph whose edges join points of several tiles (docs/adr/0021). Each tile first
 /// stores its edges. When the edges between tiles are known, each tile grows its own forest, in which the points at
 /// those edges stay open. Then one process joins the supernodes of all forests. spanning_forest.h explains open points
-/// and supernodes. In names of objects, NAME and KEY stand for the arguments `name` and `key`, and TILE for the number
-/// of a tile.
+/// and supernodes. In names of objects, NAME stands for the argument `name` or the name of a tile in `names`, KEY for
+/// the argument `key`, and TILE for the number of a tile.
 #pragma once
 
 #include <cstddef>

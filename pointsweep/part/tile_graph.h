@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Components of a graph without weights whose edges join the points of a tile with each other and with points of other
 /// tiles: each tile finds its own components, which are then joined by the edges that cross from tile to tile
-/// (docs/adr/0021). In names of objects, NAME and KEY stand for the arguments `name` and `key`, and TILE for the number
-/// of a tile.
+/// (docs/adr/0021). In names of objects, NAME stands for the argument `name` or the name of a tile in `names`, KEY for
+/// the argument `key`, and TILE for the number of a tile.
 #pragma once
 
 #include <algorithm>
@@ -71,8 +71,8 @@ struct TileGraphSetup {
 
 /// Finds the components of a tile and seals three lists: NAME.labels, the number of the component of each row, kNoLabel
 /// for non-finite points; NAME.components, the components in the order of their first points, which gives their
-/// numbers; NAME.crossings, a Crossing for each edge to another tile: `from` is the row in the other tile, `to` the
-/// number of the component in this tile.
+/// numbers; NAME.crossings, one Crossing for each row of another tile and each component of this tile that edges join:
+/// `from` is the row, `to` the number of the component.
 void leave_graph(const EdgeBuckets& own, SortedCrossings& crossings, RowsOfTile rows, const TileGraphSetup& setup,
                  Storage& scratch, const std::string& name);
 

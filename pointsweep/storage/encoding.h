@@ -86,7 +86,7 @@ class Encoder {
 /// kind or version, or end too early.
 class Decoder {
  public:
-  /// Reads the values in `bytes`, which it borrows.
+  /// Reads the values in `bytes`, which the decoder borrows.
   explicit Decoder(std::span<const std::byte> bytes) : rest_(bytes) {}
 
   /// Reads the kind and version with which a value begins. Throws Error unless they are `expected`.

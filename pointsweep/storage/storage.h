@@ -25,7 +25,8 @@ class Source {
   virtual void read_at(std::uint64_t offset, std::span<std::byte> bytes) const = 0;
 };
 
-/// An object that is being written. Without seal(), nothing of the object remains.
+/// An object that is being written. Without seal(), the destructor leaves nothing of the object, except what an
+/// OutputFile has written to standard output.
 class Unsealed {
  public:
   virtual ~Unsealed() = default;
@@ -57,8 +58,9 @@ class Storage {
 std::uint64_t checksum_of(std::span<const std::byte> bytes);
 /// Stores and seals an object that holds a signature, the number of `bytes`, their checksum, and the bytes.
 void seal_bytes(Storage& storage, const std::string& key, std::span<const std::byte> bytes);
-/// Returns the size and the checksum in the head of an object that seal_bytes() has stored, without reading its bytes.
-/// Objects with equal heads hold equal values. Returns nothing if the object has no complete head.
+/// Returns the head of an object that seal_bytes() has stored: the signature, the number of bytes and their checksum.
+/// Does not read the bytes. Objects with equal heads count as equal. Returns nothing if the object has no complete
+/// head.
 std::vector<std::byte> sealed_identity(const Storage& storage, const std::string& key);
 /// Returns the bytes of an object that seal_bytes() has stored; nothing if the object is damaged.
 std::optional<std::vector<std::byte>> sealed_bytes(const Storage& storage, const std::string& key);

@@ -227,7 +227,7 @@ void RecalledPoints::find_lists(std::uint32_t slot, std::uint32_t level, Worker&
 }
 
 /// Throws if a neighbourhood reaches beyond its bound, or has fewer than k points although its bound is shorter than
-/// the radius. Within the bound it is complete, because the region holds all points within the bound.
+/// the radius. Within its bound a neighbourhood is complete, because the region holds all points within the bound.
 void RecalledPoints::expect_complete(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists) const {
   const Cell& cell = region_.at(slot).cell;
   for (std::uint32_t n = 0; n < points.size(); ++n) {

@@ -44,7 +44,8 @@ class FileDescriptor {
   int number_;
 };
 
-/// Opens a folder, so that it can be locked. After a failure, the descriptor holds no file, and errno has the reason.
+/// Opens a folder, so that it can be locked; fails on a symbolic link unless `follow_link`. After a failure, the
+/// descriptor holds no file, and errno has the reason.
 FileDescriptor open_folder(const std::filesystem::path& path, bool follow_link);
 /// Makes a file without a name in a folder. It vanishes when it is closed, even if the process is killed. After a
 /// failure, the descriptor holds no file, and errno has the reason.

@@ -82,7 +82,7 @@ std::vector<std::string> sealed_names(const fs::path& folder, std::error_code& e
   return names;
 }
 
-/// Returns a text that is unique among all processes of all machines.
+/// Returns a text that is unique among all processes of all machines whose host names differ.
 std::string unique_suffix() {
   static std::atomic<unsigned> last = 0;
   std::array<char, 256> host{};

@@ -14,7 +14,7 @@
 namespace pointsweep {
 
 /// A folder whose sealed objects are safely on the disk: each object is complete even after a power failure. No other
-/// process can use the folder during the lifetime of this object.
+/// LocalFolder can be made for the folder during the lifetime of this object, if the file system has locks.
 class LocalFolder final : public Storage {
  public:
   /// Makes the folder if it is missing. Throws Error if the folder cannot be made, or if another process uses it. Error

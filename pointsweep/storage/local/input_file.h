@@ -18,8 +18,8 @@ namespace pointsweep {
 
 /// A file or object for reading. Every failure is an Error that names the file and the remedy. Opening a file reads
 /// nothing, and no content is kept in memory; for a URL see RemoteObject. Any number of InputFiles may exist. If 256
-/// files, or a quarter of the system's limit, are open, opening another file closes the least recently read files,
-/// which are reopened when they are read.
+/// files, or a quarter of the system's limit if that is less, are open, opening another file closes the least recently
+/// read files, which are reopened when they are read.
 class InputFile final : public Source {
  public:
   /// Throws if the file is missing, is not a regular file, or may not be read.
@@ -36,7 +36,8 @@ class InputFile final : public Source {
   void read_at(std::uint64_t offset, std::span<std::byte> bytes) const override;
   /// Reads up to bytes.size() bytes, fewer at the end of the file, and returns their number.
   std::size_t read_some(std::uint64_t offset, std::span<std::byte> bytes) const;
-  /// Announces that [begin, end) will be read in sequence, so that one request to a server brings these bytes.
+  /// Announces that [begin, end) will be read in sequence, so that few requests to a server bring these bytes
+  /// (RemoteObject::will_read()). Has no effect on a file of this machine.
   void will_read(std::uint64_t begin, std::uint64_t end) const;
 
  private:

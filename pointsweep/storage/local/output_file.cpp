@@ -87,7 +87,8 @@ void check_destination(const fs::path& destination, bool overwrite) {
   }
 }
 
-/// Renames a file, but never replaces a file that has appeared at `to` meanwhile. Returns 0 or an errno.
+/// Renames a file, but does not replace a file that has appeared at `to` meanwhile (except in a short moment, on a file
+/// system that supports neither renameat2() nor link()). Returns 0 or an errno.
 int rename_to_new(const fs::path& from, const fs::path& to) {
   if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
   if (errno != EINVAL && errno != ENOSYS) return errno;

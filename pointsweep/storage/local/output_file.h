@@ -31,7 +31,8 @@ class OutputFile final : public Unsealed {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Throws the same errors as the constructor, but makes no file.
+  /// Throws the errors that the constructor throws because of the state of the destination, but makes no file. Not for
+  /// standard output.
   static void require_possible(const std::filesystem::path& destination, bool overwrite);
   /// Returns the path of the file that holds an output of this process until the output is complete.
   static std::filesystem::path unfinished_path(const std::filesystem::path& destination);

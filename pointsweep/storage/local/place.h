@@ -19,7 +19,7 @@ bool is_folder(const std::filesystem::path& path);
 bool exists_at(const std::filesystem::path& path);
 /// Returns the size in bytes of a regular file or of an object; nothing if there is no file or object of this name.
 std::optional<std::uint64_t> bytes_of_file(const std::filesystem::path& path);
-/// Returns the absolute path without `.` and `..`; returns a URL unchanged.
+/// Returns the absolute path without `.` and `..`; returns a URL and an empty path unchanged.
 std::string whole_name(const std::filesystem::path& path);
 /// Returns the name of the file without its folders, and without the query of a URL.
 std::filesystem::path file_name(const std::filesystem::path& path);

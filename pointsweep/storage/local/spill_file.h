@@ -40,7 +40,8 @@ class SpillFile {
  public:
   /// Creates a new file; replaces a kept file of the same name.
   explicit SpillFile(const SpillPlace& place);
-  /// Opens a kept file whose first `bytes` bytes are in use. Throws Error if the file is shorter.
+  /// Opens a kept file whose first `bytes` bytes are in use, and cuts off all other bytes. Throws Error if the file is
+  /// shorter.
   SpillFile(const SpillPlace& place, std::uint64_t bytes);
 
   /// Reserves `bytes` bytes of the file for the caller and returns their offset. Thread-safe.

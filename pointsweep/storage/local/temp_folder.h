@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A temporary folder that only one run uses.
+/// A temporary folder that only one run uses, its parent folder, and its random name.
 #pragma once
 
 #include <filesystem>
@@ -17,12 +17,13 @@ void require_temp_parent(const std::filesystem::path& parent);
 /// Returns the folder `asked`, or the system's folder for temporary files if `asked` is empty.
 std::filesystem::path temp_parent(const std::filesystem::path& asked);
 
-/// Returns `begin` and six lower-case letters or digits. The name differs in each call, and almost certainly in each
-/// process.
+/// Returns `begin` and six lower-case letters or digits. Names almost certainly differ from call to call and from
+/// process to process.
 std::string random_name(const std::string& begin);
 
 /// A folder `<parent>/pointsweep-<pid>-<random>`, mode 0700, which the destructor removes with all its files. The
-/// constructor first removes temporary folders in `parent` whose process has ended, for example by kill -9.
+/// constructor first removes temporary folders of this user in `parent` whose process has ended, for example by kill
+/// -9.
 class TempFolder {
  public:
   explicit TempFolder(const std::filesystem::path& parent);

@@ -32,7 +32,8 @@ class Leftover {
 
 /// Returns the folder of a file; "." if the path has none.
 std::filesystem::path folder_of(const std::filesystem::path& file);
-/// Returns the target of the symbolic link `destination`, or `destination` itself if it is not a link.
+/// Returns the target of the symbolic link `destination`, or `destination` itself if it is not a link or leads to no
+/// file.
 std::filesystem::path target_of(const std::filesystem::path& destination);
 /// Returns `.<name>.<pid>.part` beside `target`: the file of an output of this process until it is complete.
 std::filesystem::path part_of(const std::filesystem::path& target);

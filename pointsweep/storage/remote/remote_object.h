@@ -16,7 +16,8 @@
 
 namespace pointsweep {
 
-/// Most bytes that the cache of all open objects holds. The memory plan of a run counts them (open_input_bytes()).
+/// Most bytes that the cache of all open objects holds; while blocks that are being loaded fill it, each further block
+/// exceeds it by up to 64 kB. The memory plan of a run counts them (open_input_bytes()).
 inline constexpr std::uint64_t kRemoteCacheBytes = 16u << 20;
 
 /// One version of an object. Reads are joined into few requests: the first request brings 64 kB, successive requests
@@ -36,7 +37,8 @@ class RemoteObject {
   /// Reads up to bytes.size() bytes, fewer at the end of the object, and returns their number. Throws Error if the
   /// object has changed since it was opened.
   std::size_t read_some(std::uint64_t offset, std::span<std::byte> bytes);
-  /// Announces that [begin, end) will be read, from `begin` on, so that one request brings the range.
+  /// Announces that [begin, end) will be read, from `begin` on, so that one request brings the range, or each 2 MB of a
+  /// larger range.
   void will_read(std::uint64_t begin, std::uint64_t end);
 
  private:

@@ -21,7 +21,8 @@ struct RemoteVersion {
 
   /// Returns whether `other` is the same version.
   bool is(const RemoteVersion& other) const;
-  /// Returns a text like "2400312 bytes, ETag "6805f2cfc46c0f04"", with the time if the server states no ETag.
+  /// Returns a text like "2400312 bytes, ETag "6805f2cfc46c0f04"", with the time in place of the ETag if the server
+  /// states none.
   std::string text() const;
 };
 
