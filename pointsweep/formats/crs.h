@@ -30,7 +30,7 @@ std::string wkt_in_one_line(std::string_view text);
 Crs crs_of_geotiff(GeoTiffKeys keys);
 
 /// Returns the kind of the horizontal system with this EPSG code; `unknown` for compound, vertical and geocentric
-/// systems and for codes that GeoTIFF keys cannot hold.
+/// systems and for codes outside of 2000 to 32766. Codes that the registry lacks may have any kind.
 CrsKind kind_of_epsg(int code);
 
 /// Returns GeoTIFF keys that state the projected or geographic system with the code `epsg`, and the system of heights

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The kind of each coordinate reference system in the EPSG registry (version of PROJ 9). GeoTIFF keys must state the
-/// kind of a system together with its code.
+/// The kind of each coordinate reference system in the EPSG registry (version of PROJ 9) whose code GeoTIFF keys can
+/// hold. Systems in neither of the two tables are projected. GeoTIFF keys must state the kind of a system together with
+/// its code.
 #include <algorithm>
 #include <array>
 #include <utility>

@@ -172,8 +172,8 @@ void refuse_foreign_format(const std::filesystem::path& path, std::string_view h
       names_asked_for(" or "));
 }
 
-/// Returns whether files with this extension hold points. Objects on servers are judged by their extension alone, since
-/// opening each would cost a request.
+/// Returns whether files with this extension hold points; those with .bin do if --format names a format without
+/// signature. Objects on servers are judged by their extension alone, since opening each would cost a request.
 bool is_named_as_points(const std::string& extension, std::string_view format_name) {
   if (format_asked_for(format_name) != nullptr && extension == ".bin") return true;
   return std::ranges::any_of(kFormats, [&](const Format* f) { return is_read_by_extension(*f, extension); });

@@ -11,8 +11,9 @@
 namespace pointsweep {
 namespace {
 
-/// The largest number of steps between two offsets, 2^40. It exceeds the range of 32-bit integers, since the scales of
-/// the inputs may differ. A larger quotient is too imprecise to tell whether it is a whole number.
+/// The largest number of steps between two offsets, 2^40. It exceeds the range of 32-bit integers, since the steps have
+/// the finest scale, and inputs with coarser scales may lie further apart. A larger quotient is too imprecise to tell
+/// whether it is a whole number.
 constexpr double kMostSteps = 1099511627776.0;
 
 bool is_grid(const Field& field) {

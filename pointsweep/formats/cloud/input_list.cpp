@@ -93,8 +93,8 @@ bool is_virtual_cloud(const fs::path& path) { return extension_of(path) == ".vpc
 
 /// Returns the files of a virtual point cloud: for each feature its asset "data", or else its first asset with the role
 /// "data". Relative names begin at the folder of the .vpc file. Throws Error if the .vpc file is not a collection, has
-/// no feature or a feature without such an asset, and for local files that do not exist; objects on servers are checked
-/// when they are opened.
+/// no features, or has a feature without such an asset, and for local files that do not exist; objects on servers are
+/// checked when they are opened.
 std::vector<ListedFile> files_of_virtual_cloud(const fs::path& path) {
   const Json collection = collection_in(path);
   std::vector<ListedFile> files;

@@ -49,9 +49,9 @@ class SelectionCursor {
   /// Returns how many rows before row `row` of the whole cloud are kept. `row` may be the end.
   std::uint64_t kept_before(std::uint64_t row);
 
-  /// Reads kept rows: as many whole records of `stride` bytes from kept row `first` on as fit. `read_all(row, records)`
-  /// fills `records` with rows of the whole cloud, and is called only for rows between the first and the last kept row
-  /// that is read.
+  /// Reads kept rows of `stride` bytes from kept row `first` on: as many whole records as fit, or as there are. Returns
+  /// their number. `read_all(row, records)` fills `records` with rows of the whole cloud, and is called only for rows
+  /// between the first and the last kept row that is read.
   using ReadAll = std::function<void(std::uint64_t row, std::span<std::byte> records)>;
   std::size_t read(std::uint64_t first, std::size_t stride, std::span<std::byte> records, const ReadAll& read_all);
 

@@ -65,8 +65,8 @@ class LasFrame {
   void require_count(std::uint64_t came) const;
   /// Returns the number of bytes that are copied from the input to the place after the points.
   std::uint64_t tail_bytes() const;
-  /// Finishes a file whose points end before byte `points_end`: writes the pieces of the input that follow the points,
-  /// then `last`, then the final header. Gives the file its name.
+  /// Finishes a file whose points, with the chunk table of compressed points, end before byte `points_end`: writes the
+  /// pieces of the input that follow the points, then `last`, then the final header. Gives the file its name.
   void finish(const LasStatistics& points, std::uint64_t points_end, std::span<const std::byte> last = {});
 
  private:

@@ -5,7 +5,7 @@
 ///     comment crs PROJCS["NAD83 / UTM zone 10N",...    the WKT; longer than 900 bytes, it continues in the next `crs`
 ///     comment crs_geotiff_keys 1 1 0 3 1024 0 1 1 ...  GeoKeyDirectoryTag
 ///     comment crs_geotiff_doubles 6378137 298.25       GeoDoubleParamsTag
-///     comment crs_geotiff_ascii NAD83|                 GeoAsciiParamsTag; all but visible characters as %XX
+///     comment crs_geotiff_ascii NAD83|                 GeoAsciiParamsTag; '%' and all but visible characters as %XX
 ///     comment las scale 0.01 0.01 0.01 offset 500000 0 0 gps_time standard
 ///                                                      grid of a LAS input, and the kind of its GPS times, if it has
 ///                                                      any: `standard` or `week`

@@ -21,10 +21,10 @@ struct QsplatSphere {
 
 /// Returns the sphere with the 13-bit `code` inside `parent`. Its radius is the parent's radius times s/13. Its centre
 /// is, on the x axis, the parent's centre plus the parent's radius times (s + 2x)/13 - 1, and likewise with y and z.
-/// Here (s, x, y, z) is quadruple number `code`, from 0 and in lexicographic order, of those with 1 <= s <= 13 and 0 <=
-/// x, y, z <= 13 - s whose centre is at most 1 + √3 s/13 of the parent's radii from the parent's centre. Evaluated in
-/// single precision, as in QSplat. Returns nothing for an unused code: the format defines 7,621 codes, and 13 bits hold
-/// 8,192.
+/// Here (s, x, y, z) is quadruple number `code`, from 0 and in lexicographic order, of those with s from 1 to 13 and x,
+/// y, z from 0 to 13 - s whose centre is at most 1 + √3 s/13 times the parent's radius away from the parent's centre.
+/// Evaluated in single precision, as in QSplat. Returns nothing for an unused code: the format defines 7,621 codes, and
+/// 13 bits hold 8,192.
 std::optional<QsplatSphere> qsplat_sphere(unsigned code, const QsplatSphere& parent);
 
 /// Returns the unit normal with the 14-bit `code` (52 face + u) 52 + v: place (u, v) of 52×52 on a face of a cube.
