@@ -16,10 +16,10 @@
 
 namespace pointsweep {
 
-/// A rule that decides about each component of a graph by votes: sums over the points of the component, some of which
-/// depend on the signs of the points (ForestEdge). Votes are bytes that can be copied; they depend on the set of points
-/// and on their signs, not on the order of merges. A ballot holds the values of a point from which start() makes its
-/// votes.
+/// A rule that decides about each component of a graph by votes: values gathered over the points of the component, such
+/// as sums, some of which depend on the signs of the points (ForestEdge). Votes are bytes that can be copied; they
+/// depend on the set of points and on their signs, not on the order of merges. A ballot holds the values of a point
+/// from which start() makes its votes.
 class VoteRule {
  public:
   virtual ~VoteRule() = default;

@@ -39,8 +39,8 @@ class CurveRecords {
   void sort(const LevelGrid& grid);
 
   using Use = std::function<void(std::span<const std::byte> records, std::span<const CurveKey> keys)>;
-  /// Calls `use` with all records in order, in batches, with the key of each record. Must be
-  /// called after sort(); may be called again.
+  /// Calls `use` with all records in order, in batches, with the key of each record. Must be called after
+  /// sort(); may be called again.
   void for_each(const Use& use) const;
 
  private:

@@ -54,13 +54,13 @@ class KeptGrid {
   std::vector<std::uint32_t> first_;  ///< the first point of each bucket; the number of buckets is a power of two
 };
 
-/// Takes the points in ascending order of rank_of(), then of the coordinates, then of the number. Adds each point that
-/// no point of `kept` covers (KeptGrid::covers()) to `kept`. Returns the added points in that order. Returns
+/// Takes the points in ascending order of rank_of(), then of the coordinates, then of their numbers. Adds each point
+/// that no point of `kept` covers (KeptGrid::covers()) to `kept`. Returns the added points in that order. Returns
 /// nullopt if they would be more than `most`; then `kept` has the first `most` of them.
 ///
-/// The choice among the points of the lowest ranks is the beginning of the choice among all points. So many
-/// points are read several times, each time with a higher limit for the rank. From the second time on most points are
-/// covered, and one comparison with a kept point skips many of them.
+/// The choice among the points of the lowest ranks is the beginning of the choice among all points. So the points of
+/// a large node are read several times, each time with a higher limit for the rank. From the second time on most points
+/// are covered, and one comparison with a kept point skips many of them.
 std::optional<std::vector<KeptPoint>> choose_discs(const CurvePoints& points, NodeRows rows, KeptGrid& kept,
                                                    std::size_t most);
 

@@ -40,7 +40,7 @@ const Leaf* leaf_around(std::span<const Leaf> leaves, const Octant& octant);
 class LeafFinder {
  public:
   LeafFinder() { first_.fill(0); }
-  /// Takes the keys of the next points. Keys ascend.
+  /// Takes the keys of the next points. Keys must not descend.
   void add(std::span<const CurveKey> keys);
   /// Returns the leaves in the order of the curve; empty if there are no points.
   std::vector<Leaf> finish();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The declarations of the instructions of a chain (chain.h), which compute nothing for a point: Drop, and the update
 /// operators Reneighbor and Resort, which the paper requires after points have moved (Section 8). Reneighbor tells the
-/// planner where a new sweep begins, Resort how the output is ordered.
+/// planner where a new sweep begins, Resort by which positions `--order sweep` orders the output.
 #include <algorithm>
 #include <string>
 #include <vector>

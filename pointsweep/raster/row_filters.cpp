@@ -178,8 +178,8 @@ OpenedRows::OpenedRows(std::unique_ptr<RowStream> from, std::size_t radius, doub
   held_.marks.reserve(most_held(radius) * columns());
 }
 
-/// Returns the bytes of memory per column. Includes the rows that next() returns after the last row of the source: as
-/// many as the disk reaches are complete at once.
+/// Returns the bytes of memory per column. Includes the rows that next() returns at once when the source has ended: up
+/// to 2 * radius rows, which waited for later rows.
 std::size_t OpenedRows::column_bytes(std::size_t radius) {
   constexpr std::size_t kCell = sizeof(double) + 1;
   return 2 * DiskMinima::column_bytes(radius) + most_held(radius) * kCell +

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The list of all operators of the library, and a check for their declarations. The source of the operator `name`
-/// defines name_declaration().
+/// The list of all operators of the library, a check of neighbourhoods, and the units of made attributes. The source of
+/// the operator `name` defines name_declaration().
 #pragma once
 
 #include <cstddef>
@@ -25,11 +25,13 @@ POINTSWEEP_OPERATORS(POINTSWEEP_DECLARE)
 #undef POINTSWEEP_DECLARE
 
 /// Throws UsageError, beginning with `where`, unless the neighbourhoods in effect contain the `k` nearest points within
-/// `radius`, or all points within `radius` if k is Neighborhood::kUnlimited. Accepts neighbourhoods that are unknown,
-/// and neighbourhoods whose k is the default of the operators. For operators that count neighbours within a distance.
+/// `radius`, or all points within `radius` if k is Neighborhood::kUnlimited. Accepts neighbourhoods that are unknown. A
+/// k that is the default of the operators suffices; a neighbourhood with a rule never does. For operators that count
+/// neighbours within a distance.
 void require_complete_lists(const Facts& facts, std::size_t k, double radius, const std::string& where);
 
-/// Returns the unit of the attribute `name` that an operator makes as a single value; "1" if no operator makes it.
+/// Returns the unit of the single-valued attribute that `name` means, in any spelling, among the attributes that
+/// `transform` knows by their names; "1" for all other names.
 std::string unit_of_made(const std::string& name);
 
 }  // namespace pointsweep

@@ -23,7 +23,7 @@ namespace {
 
 Attribute named(const std::string& name) { return scalar(name, Type::f64, "", "size of the neighbourhood"); }
 
-/// Returns the number of neighbours allowed by the limit `value` of k.
+/// Returns how many of `count` neighbours the limit `value` of k allows.
 std::size_t at_most(double value, std::size_t count) {
   if (!(value >= 1)) return 0;
   return value < static_cast<double>(count) ? static_cast<std::size_t>(value) : count;
@@ -87,7 +87,8 @@ class LimitsFromAttributes final : public NeighborhoodRule {
 
 constexpr double kSmallest = std::numeric_limits<double>::min();
 
-/// Returns -e ln e, 0 at 0. Rounding may make the eigenvalue of a plane or a line slightly negative.
+/// Returns -e ln e; 0 for an e below the smallest normal number. Rounding may make the eigenvalue of a plane or a line
+/// slightly negative.
 double entropy_of(double e) { return e >= kSmallest ? -(e * natural_logarithm(e)) : 0; }
 
 /// Returns the eigenentropy; infinite if the points have no extent.
@@ -124,9 +125,9 @@ void covariances(const Neighborhoods& in, std::size_t i, std::size_t least, doub
   }
 }
 
-/// For every k from `least` up to the number of neighbours found, let e1, e2, e3 be the eigenvalues of the covariance
-/// of the positions of p_i and its k nearest neighbours about their mean, divided by their sum. The point keeps the k
-/// at which the eigenentropy
+/// For every k from `least` up to the number of neighbours found, take the covariance of the positions of p_i and its k
+/// nearest neighbours about their mean. Let e1, e2, e3 be its eigenvalues, each divided by the sum of all three. The
+/// point keeps the k at which the eigenentropy
 ///   E = -(e1 ln e1 + e2 ln e2 + e3 ln e3)
 /// is least. If several k have the least E, the point keeps the smallest.
 ///

@@ -149,7 +149,8 @@ class OptionTable {
       if (const OptionValue* value = values.find(row.declaration.name)) row.set(options, *value);
     return options;
   }
-  /// Gives an operator its declared options. Throws UsageError for a value out of its range.
+  /// Gives an operator its declared options. Throws UsageError for a value that is not allowed and for a required
+  /// option without a value.
   void declare(Operator& op, const T& options) const {
     Options declared;
     for (const OptionRow<T>& row : rows_) {

@@ -59,8 +59,8 @@ class Expression {
   /// Returns whether the expression is a single name and nothing else.
   bool is_name() const { return names_.size() == 1 && canonical_ == names_[0].text; }
   const std::string& text() const { return text_; }  ///< the text as given, without blanks at both ends
-  /// Returns a text that is equal for conditions that differ only in blanks and in "and", "or", "not" for "&&", "||",
-  /// "!": "a < 2 && !(b == 3)".
+  /// Returns a text that is equal for expressions that differ only in blanks, in the case of the words of the grammar,
+  /// and in "and", "or", "not" for "&&", "||", "!": "a < 2 && !(b == 3)".
   const std::string& canonical() const { return canonical_; }
 
   /// Sets kept[i] to 1 where the condition holds for point i, else to 0. `values` has the order of names().
@@ -120,7 +120,7 @@ enum class Operation : std::uint8_t {
 struct Expression::Node {
   Operation operation = Operation::number;
   double number = 0;
-  std::optional<WholeNumber> whole = {};  ///< exact value of a literal that is a whole number
+  std::optional<WholeNumber> whole = {};  ///< exact value of a literal without `.` and exponent that fits in 64 bits
   std::size_t name = 0;                   ///< index in Expression::names()
   const ExpressionFunction* function = nullptr;
   std::vector<Node> parts = {};

@@ -15,7 +15,8 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the first component of a made attribute, other than the position, for whose name `fits` returns true.
+/// Returns the first component, among those of all made attributes but the position, for whose name `fits` returns
+/// true.
 template <class Fits>
 MeantValue made_value(std::span<const Attribute> made, Fits fits) {
   for (const Attribute& a : made) {

@@ -46,7 +46,7 @@ bool makes(std::span<const Attribute> made, std::string_view name);
 Type type_of_values(const Field& field);
 
 /// Returns the attribute `name` if an earlier stage makes it and it has one value, else the field `name` of the input
-/// as float64; nullopt if there is none.
+/// as float64 if that is no array; nullopt if there is neither.
 std::optional<Attribute> single_value(const char* name, const Schema& input, std::span<const Attribute> made);
 
 /// The values that an attribute can hold.
@@ -97,7 +97,8 @@ std::optional<AssignedTarget> target_of(const std::string& name, const Schema& i
 class NamedValues {
  public:
   NamedValues() = default;
-  /// Messages begin with `place`. Throws UsageError for an unknown name, with the known names.
+  /// Messages begin with `place`. Throws UsageError for a name of several values, and for an unknown name, with the
+  /// known names.
   NamedValues(const Expression& expression, const std::string& place, const Schema& input,
               std::span<const Attribute> made);
 

@@ -17,8 +17,8 @@
 
 namespace pointsweep {
 
-/// An edge between point i of a batch and one of its neighbours. `weight` and `flips` depend on the two points alone:
-/// the neighbour, if it emits the edge too, computes the same bits.
+/// An edge between the point with the index `point` in a batch and one of its neighbours. `weight` and `flips` depend
+/// on the two points alone: the neighbour, if it emits the edge too, computes the same bits.
 struct NeighborEdge {
   std::uint32_t point;
   NeighborRef neighbor;
@@ -37,8 +37,8 @@ class ConnectOperator : public Operator {
   /// Returns the rule by which the points of a component vote. If null, every component gets a number, and no signs are
   /// turned.
   virtual const VoteRule* votes() const { return nullptr; }
-  /// Appends the edges of the points of the batch, at most one for each neighbour. Writes votes()->ballot_bytes() of
-  /// each point to `ballots`, point after point. Called from many threads at once.
+  /// Appends the edges of the points of the batch, at most one for each neighbour. If votes() is not null, writes the
+  /// ballot of point i to `ballots` + i * votes()->ballot_bytes(). Called from many threads at once.
   virtual void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const = 0;
   /// Writes the values of a point for all attributes that the operator makes, one after another.
   virtual void put_values(const ComponentLabel& label, std::byte* values) const = 0;

@@ -32,7 +32,7 @@ Contract contract_of(const StageOperator& stage);
 /// Returns the stage for a cloud with the fields of `input`, after stages that make `made`.
 StageOperator bound(const StageOperator& stage, const Schema& input, std::span<const Attribute> made);
 
-/// Returns whether the stage leaves out rows.
+/// Returns whether the stage may leave out rows.
 bool drops_rows(const StageOperator& stage);
 /// Returns whether the stage reads only the point itself: no neighbours, and no points in order.
 bool is_pointwise(const StageOperator& stage);
@@ -49,7 +49,7 @@ Contract contract_of(const ChainStage& stage);
 std::string name_of(const ChainStage& stage);
 /// Returns all options that distinguish a stage from other stages with the same name.
 Options options_of(const ChainStage& stage);
-/// Returns whether a stage, or a part of a composite, drops rows.
+/// Returns whether a stage, or a part of a composite, may drop rows.
 bool drops_rows(const ChainStage& stage);
 
 }  // namespace pointsweep

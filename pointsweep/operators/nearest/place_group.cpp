@@ -13,8 +13,8 @@
 namespace pointsweep {
 namespace {
 
-/// kFewPlaces: groups of at most so many places are not halved. kFewPoints: a part with at most so many points is not
-/// halved: all of its places are compared with all points.
+/// kFewPlaces: groups of at most so many places are not halved. kFewPoints: a part with at most so many points, or
+/// with at most k points, is not halved: all of its places are compared with all points.
 constexpr std::size_t kFewPlaces = 8, kFewPoints = 12;
 /// Largest number of points collected for a group; with more, the group is halved first. A collection in vain costs
 /// little, because most of its points belong to cells that are read anyway.

@@ -17,9 +17,9 @@ namespace {
 
 constexpr std::size_t kCellPoints = 512, kSlabCells = 64, kLeafPoints = 8;
 constexpr std::size_t kLeastCells = 2 * kSlabCells;
-/// Least and largest number of places that are searched together.
+/// Limits of the largest number of places that are searched together, which depends on the number of all places.
 constexpr std::size_t kLeastGroup = 512, kMostGroup = 8192;
-/// Number of places that are searched together for all points within a distance.
+/// Largest number of places that are searched together for all points within a distance.
 constexpr std::size_t kPlacesWithin = 64;
 
 bool meet(const Box& a, const Box& b) {
@@ -151,7 +151,8 @@ const PointCells::Tree& PointCells::load(std::size_t cell, std::size_t near) {
 }
 
 /// Answers questions in parallel with the cells in memory, then loads the missing cells for the remaining questions,
-/// and so on. If the missing cells do not fit in memory, answers one question after another.
+/// and so on. Once more cells have been loaded in all than fit in memory, answers the remaining questions one after
+/// another.
 void PointCells::answer_all(std::size_t n, std::size_t at_once, const std::function<Vec3(std::size_t i)>& place,
                             const Answer& answer) {
   std::vector<std::size_t> open(n);

@@ -24,7 +24,8 @@ class PointCells {
   /// The coordinates used in distances; `plane` ignores z.
   enum class Space : std::uint8_t { plane, all };
 
-  /// `axis`: axis along which points come. `memory_bytes`: limit for the cells in memory; a few cells may exceed it.
+  /// `axis`: axis along which points come. `memory_bytes`: limit for the cells in memory; 128 cells may exceed it
+  /// (least_bytes()).
   PointCells(Space space, int axis, std::uint64_t memory_bytes, std::unique_ptr<Scratch> scratch);
   PointCells(PointCells&&) noexcept;
   ~PointCells();
@@ -41,8 +42,9 @@ class PointCells {
   /// A function that answers question i, or returns false if cells are missing. PointCells calls the function again
   /// when these cells are in memory.
   using Answer = std::function<bool(std::size_t i, View& view)>;
-  /// Answers n questions on all threads; each thread takes `at_once` questions at a time. `place(i)`: place of question
-  /// i. Successive places should be near each other.
+  /// Answers n questions on all threads; each thread takes `at_once` questions at a time. Answers them one after
+  /// another if the cells do not fit in memory. `place(i)`: place of question i. Successive places should be near each
+  /// other.
   void answer_all(std::size_t n, std::size_t at_once, const std::function<Vec3(std::size_t i)>& place,
                   const Answer& answer);
   /// Calls `use`, on all threads, with the nearest points of each place, nearest first. The function may be called more
@@ -112,7 +114,7 @@ class PointCells::View {
   friend class PointCells;
   explicit View(const PointCells& of) : of_(of) {}
   const Tree* tree(std::size_t cell);
-  /// Returns the slabs that overlap a range along the axis.
+  /// Returns all slabs that overlap a range along the axis; the last slab may be among them although it ends before.
   std::span<const Slab> slabs_between(double lo, double hi) const;
 
   const PointCells& of_;

@@ -30,7 +30,7 @@ class PointRecords {
   void finish();
   std::uint64_t count() const { return count_; }
 
-  /// Copies record numbers[i] to place i of `to`, on all threads. Skips kNone.
+  /// Copies record numbers[i] to place i of `to`, on all threads. Does not write place i if numbers[i] is kNone.
   void gather(std::span<const std::uint64_t> numbers, std::span<std::byte> to);
 
   static std::uint64_t least_bytes(std::size_t record_bytes);

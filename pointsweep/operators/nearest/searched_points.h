@@ -83,7 +83,8 @@ class NearestSoFar {
   std::vector<CellNeighbor> found_;
 };
 
-/// Boxes around points that are halved recursively. Level l has 2^l parts with nearly equal numbers of points.
+/// A tree of boxes: the points are halved recursively, and each part has a box around its points. Level l has 2^l parts
+/// with nearly equal numbers of points.
 class HalvedBoxes {
  public:
   /// Returns the least number of halvings after which no part has more than `most` points.

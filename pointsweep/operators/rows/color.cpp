@@ -96,8 +96,8 @@ Attribute color_attribute(Type type) {
 /// Makes "color": red, green and blue.
 class Color final : public LocalOperator {
  public:
-  /// Messages begin with `place`. Throws UsageError for a range that is not two ascending numbers, and for a range with
-  /// ColorMap::classes.
+  /// Messages begin with `place`. Throws UsageError for a range that is not two numbers, the first not above the
+  /// second, and for a range with ColorMap::classes.
   explicit Color(ColorOptions options, std::string place = "color");
   std::string name() const override { return "color"; }
   Contract contract() const override;

@@ -41,14 +41,14 @@ const OptionTable<CropOptions>& crop_options() {
   return table;
 }
 
-/// Keeps a point if it lies in the box and in a polygon; with CropOptions::outside, keeps all other points instead.
-/// Edges and faces count as inside in both cases. A point is in no box or polygon if a coordinate needed for the test
-/// is not finite.
+/// Keeps a point if it lies in the box and in a polygon, as far as they are given; with CropOptions::outside, keeps all
+/// other points instead. Edges and faces count as inside in both cases. A point is in no box or polygon if a coordinate
+/// needed for the test is not finite.
 class Crop final : public SelectOperator {
  public:
-  /// Reads the file with polygons, if there is one. Throws Error if it cannot be read or does not match
-  /// CropOptions::checksum, and UsageError, beginning with `place`, if no option states a region or the bounds are
-  /// invalid.
+  /// Reads the file with polygons, if there is one. Throws Error if the polygons cannot be read, are invalid or do not
+  /// match CropOptions::checksum. Throws UsageError, beginning with `place`, if no option states a region, if the
+  /// bounds are invalid, and for a checksum without polygons.
   explicit Crop(CropOptions options, std::string place = "crop");
   std::string name() const override { return "crop"; }
   void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override {
@@ -62,7 +62,7 @@ class Crop final : public SelectOperator {
   void read_polygons();
   bool is_inside(Vec3 p) const;
 
-  CropOptions options_;  ///< options, with the checksum of the file that was read
+  CropOptions options_;  ///< options, with the checksum of the file if one was read
   std::string place_;
   std::vector<Polygon> polygons_;
   std::optional<PolygonIndex> index_;

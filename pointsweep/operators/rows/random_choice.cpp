@@ -75,9 +75,9 @@ class FirstInOrder final : public InOrderWork {
   bool rest_;
 };
 
-/// Keeps the points with the least fractions (coordinate_fraction()), equal fractions in the order of their rows; with
-/// SampleOptions::rest, keeps all other points instead. The place of a point is its fraction, so that points come in
-/// this order. Points without a finite place are all kept.
+/// Keeps SampleOptions::number points, those with the least fractions (coordinate_fraction()), equal fractions in the
+/// order of their rows; with SampleOptions::rest, keeps all other points instead. The place of a point is its fraction,
+/// so that points come in this order. Points without a finite place are all kept, and not counted.
 class Sample final : public InOrderOperator {
  public:
   /// Throws UsageError for options out of their ranges.

@@ -26,7 +26,7 @@ namespace {
 constexpr Type kAllTypes[] = {Type::i8,  Type::u8,  Type::i16, Type::u16, Type::i32,
                               Type::u32, Type::i64, Type::u64, Type::f32, Type::f64};
 
-/// The types of the fields of LAS, which new attributes with the names of these fields get.
+/// The types of the fields of LAS, which new attributes with the names of these fields get unless `as` states a type.
 using LasType = std::pair<std::string_view, Type>;
 constexpr LasType kTypesOfLas[] = {{"classification", Type::u8},
                                    {"intensity", Type::u16},
@@ -120,7 +120,7 @@ class SetAttribute final : public LocalOperator {
   }
   std::string name() const override { return "set"; }
   Contract contract() const override;
-  /// Throws RowError naming the lowest row with a value that the type of the attribute cannot hold.
+  /// Throws RowError naming the lowest row of the batch with a value that the type of the attribute cannot hold.
   void apply(const Neighborhoods& in, Columns& out) const override {
     with_type(target_.type, [&]<class T>() { assign<T>(in, out); });
   }
@@ -280,7 +280,7 @@ RowSentence SetAttribute::refusal(const std::string& value) const {
                                                        value, moves ? "a finite coordinate" : range_.text(), remedy)};
 }
 
-/// `is_placed`: true if the point has a finite place, which the assignment must not make infinite.
+/// `is_placed`: true if the point has a finite place, which the assignment must not make infinite or NaN.
 template <class T>
 std::optional<T> SetAttribute::stored(double value, bool is_placed) const {
   if constexpr (std::is_floating_point_v<T>) {

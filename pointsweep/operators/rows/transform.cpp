@@ -47,8 +47,8 @@ bool is_direction(const Attribute& a) {
   return (a.kind == Kind::normal || a.kind == Kind::vector) && a.fields.size() == 3;
 }
 
-/// Returns the attributes that operators make. Fields of the input with their names are converted, too: files may
-/// contain earlier results.
+/// Returns the attributes that the operators listed here make. Fields of the input with their names are converted, too:
+/// files may contain earlier results.
 const std::vector<Attribute>& known_attributes() {
   static const std::vector<Attribute> all = [] {
     using namespace operators;
@@ -72,7 +72,8 @@ int power_of_length(const std::string& unit) {
   return unit.starts_with("1/") ? -most : most;
 }
 
-/// Returns the scale of a map that keeps angles; nullopt if the map shears, or stretches directions differently.
+/// Returns the scale of a map that keeps angles; 1 if the scale is within kSameScale of 1. Returns nullopt if the map
+/// shears, or stretches directions differently.
 std::optional<double> scale_of(const AffineMap& map) {
   const Vec3 columns[] = {map.turned({1, 0, 0}), map.turned({0, 1, 0}), map.turned({0, 0, 1})};
   const double squared = (dot(columns[0], columns[0]) + dot(columns[1], columns[1]) + dot(columns[2], columns[2])) / 3;
@@ -89,8 +90,8 @@ bool keeps_directions(const AffineMap& map) {
          map.turned({0, 0, 1}) == Vec3{0, 0, 1};
 }
 
-/// Moves the points, and converts each attribute that is a direction or a length: attributes of earlier stages, and
-/// attributes of the input with the names of attributes that operators of this library make.
+/// Moves the points, and converts each floating-point attribute that is a direction, or whose unit has a power of the
+/// length: attributes of earlier stages, and attributes of the input with the names of known_attributes().
 class Transform final : public LocalOperator {
  public:
   /// Reads the file with the matrix, if there is one. Throws Error, beginning with the file's name, if the file cannot
@@ -103,7 +104,7 @@ class Transform final : public LocalOperator {
     contract.makes.insert(contract.makes.end(), changed_.begin(), changed_.end());
     return contract;
   }
-  /// Throws RowError naming the lowest row whose coordinates would no longer be finite.
+  /// Throws RowError naming the lowest row of the batch whose coordinates would no longer be finite.
   void apply(const Neighborhoods& in, Columns& out) const override;
   std::array<bool, 3> changes_system() const override {
     const AffineMap none;

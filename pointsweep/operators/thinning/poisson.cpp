@@ -100,7 +100,8 @@ class Poisson final : public InOrderOperator {
   /// Returns a guess of eight radii: chains of points that depend on each other are seldom longer.
   std::optional<Reach> reach() const override { return Reach{.distance = 8 * options_.radius, .is_guess = true}; }
   /// Returns the memory for the points that are undecided at a time (undecided_points.h): all points less than a radius
-  /// behind the newest point along the axis, and the points that wait for one of them.
+  /// behind the newest point along the axis, and the points that wait for one of them. Counts the points of a slice of
+  /// two radii.
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override {
     const std::uint64_t near = cloud.slice_points(2 * options_.radius) + kHeldAtMost;
     return UndecidedPoints::kPointBytes * std::min(cloud.points, near);

@@ -45,8 +45,8 @@ Attribute simplify_radius_attribute() {
 }
 
 /// Makes simplify_radius = √(2 error / k1), limited to `least` and `most`: within this distance of a point, a surface
-/// of curvature k1 deviates from the tangent plane by at most the error, to second order. A point without curvature
-/// gets `most`.
+/// of curvature k1 deviates from the tangent plane by at most the error, to second order. A point whose k1 is not above
+/// 0, or is NaN, gets `most`.
 class SimplifyRadius final : public LocalOperator {
  public:
   explicit SimplifyRadius(const SimplifyOptions& options) : options_(options) {}

@@ -48,8 +48,8 @@ class UndecidedPoints {
   /// Adds a point, which must not precede the last point along the axis. Its radius is at most the largest radius.
   /// `lacks_some`: true if lesser points within its radius may never come. Throws Error if the limit is exceeded.
   void hold(const DiskPoint& point, bool lacks_some = false);
-  /// Decides the points that can be decided, if enough points have come since the last call. Appends the dropped rows,
-  /// and the rows that depend on missing points.
+  /// Decides the points that can be decided, if enough points have come since the last decisions. Appends the dropped
+  /// rows, and the rows that depend on missing points.
   void decide(Findings& findings);
   /// Decides the remaining points; called after the last point.
   void finish(Findings& findings);

@@ -93,7 +93,8 @@ class OneOfEachVoxel final : public InOrderWork {
 
 /// An attribute that is averaged. Other attributes keep the value of the kept row.
 struct AveragedAttribute {
-  Attribute made;                ///< the mean, with the type and fields of the average; normal_attribute() for normals
+  Attribute made;  ///< holds the mean, in the type and fields of the averaged attribute; normal_attribute()
+                   ///< for normals of the input
   std::vector<Attribute> reads;  ///< the averaged attribute, or scalars of the input that are its fields
   bool is_direction = false;     ///< true if the mean is normalised to a unit vector
 };
@@ -151,7 +152,7 @@ class MeansOfVoxels final : public InOrderWork {
   void end(unsigned, Findings& findings) override { finish_voxel(findings); }
 
  private:
-  /// The sum, count and range of the finite values.
+  /// The sum, count and range of the finite values of one component in a voxel.
   struct Term {
     ExactSum sum;
     std::uint64_t count = 0;
@@ -207,8 +208,9 @@ class MeansOfVoxels final : public InOrderWork {
   bool any_ = false;
 };
 
-/// Returns the attributes to average: normals, floating-point numbers, colours and intensities among the fields of
-/// `input` and the made ones; but no vectors of arbitrary sign, arrays, packed or scaled fields.
+/// Returns the attributes to average. Of the made attributes: normals, colours, and scalars of floating-point types. Of
+/// the fields of `input` that are not made anew: the three components of the normal, floating-point numbers, and the
+/// whole numbers of kMeasured; but, except for the normal, no arrays, packed or scaled fields.
 std::vector<AveragedAttribute> averaged_attributes(const Schema& input, std::span<const Attribute> made) {
   std::vector<AveragedAttribute> averaged;
   std::set<std::size_t> taken;  // fields of the input that are already averaged, or made anew by an earlier stage
@@ -245,7 +247,7 @@ std::vector<AveragedAttribute> averaged_attributes(const Schema& input, std::spa
 /// rounded to float64, lies in [v, v + 1): the grid depends on coordinates only, not on the cloud, and a point on a
 /// face belongs to the voxel above it. Points without a finite place are all kept. The points are put in order by
 /// voxel, so that memory holds the choice of one voxel at a time, for any size of voxels. With VoxelKeep::centroid the
-/// kept point moves to the mean position, and attributes become means.
+/// kept point moves to the mean position, and the attributes of averaged_attributes() become means.
 class Voxel final : public InOrderOperator {
  public:
   /// Throws UsageError for options out of their ranges.
