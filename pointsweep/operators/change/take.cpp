@@ -86,9 +86,9 @@ class Take final : public InOrderOperator {
   /// Throws UsageError for an attribute that the other cloud lacks, with the most similar names, and for a field that
   /// is an array or named twice.
   std::shared_ptr<const InOrderOperator> bound_to_other(const Schema& other) const override;
-  /// Throws UsageError if an attribute of whole numbers cannot hold `missing`, if a new attribute of whole numbers has
-  /// no value for points without a point within `most`, or if a name means several values or two names the same
-  /// attribute.
+  /// Throws UsageError if an attribute of whole numbers cannot hold `missing`, if `most` without `missing` leaves a new
+  /// attribute of whole numbers without a value for some points, or if a name means several values or two names the
+  /// same attribute.
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override { return start_taking(rules_, setup); }
   std::uint64_t least_bytes(const CloudEstimate&) const override {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The rules of `take`, bound to the points and to the other cloud, and its run over the points.
+/// The rules of `take`, which its bound() and bound_to_other() complete, and its work on the points.
 #pragma once
 
 #include <cstddef>

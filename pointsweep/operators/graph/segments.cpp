@@ -54,8 +54,8 @@ Moments moments_at(const std::byte* bytes) {
 }
 
 /// Returns Σ (q_a - c_a)(q_b - c_b) / n with the mean c, for points that all have finite places. m is c without its
-/// fraction. Σ (q_a - m_a)(q_b - m_b) is an exact integer. It exceeds the sum about c by r_a r_b / n, with r = Σ q - n
-/// m; r is below n in magnitude, so this difference is subtracted in float64.
+/// fraction. Σ (q_a - m_a)(q_b - m_b) is an exact integer. That integer exceeds Σ (q_a - c_a)(q_b - c_b) by r_a r_b /
+/// n, with r = Σ q - n m; r is below n in magnitude, so float64 suffices for r_a r_b / n.
 Symmetric3 covariance(const Moments& sums) {
   const auto n = static_cast<Int128>(sums.points);
   std::array<Int128, 3> mean, rest;

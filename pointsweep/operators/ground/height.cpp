@@ -34,7 +34,8 @@ double height_above(double z, const std::vector<CellNeighbor>& ground) {
   return z - sum / weights;
 }
 
-/// First round: stores the ground points in cells. Second round: finds the nearest ground points of all points.
+/// First round: stores the ground points in cells. Second round: finds the nearest ground points of each point, and
+/// makes its height.
 class HeightWork final : public InOrderWork {
  public:
   HeightWork(std::size_t k, const InOrderSetup& setup)

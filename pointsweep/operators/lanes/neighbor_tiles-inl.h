@@ -60,10 +60,11 @@ struct Tile {
     vectors = (size + kLanes - 1) / kLanes;
     chunk = kRoom / stride;
   }
-  /// Returns how many neighbours of each point the tile holds from neighbour `from` on, absent ones included.
+  /// Returns how many neighbours of each point the tile holds if it holds those from neighbour `from` on; it holds 0
+  /// for each that a point lacks.
   std::size_t Held(std::size_t from) const { return std::min(chunk, most - from); }
-  /// Returns the index in a NeighborArray of the c-th held neighbour, from c = 0, of the first point of a vector. Those
-  /// of the other points of the vector follow.
+  /// Returns the index in a NeighborArray of the c-th held neighbour, from c = 0, of the first point of a vector; the
+  /// indices for the other points of the vector follow.
   std::size_t At(std::size_t vector, std::size_t c) const { return c * stride + vector * kLanes; }
 };
 
@@ -73,7 +74,8 @@ struct TileArray {
   V Load(std::size_t vector) const { return hn::Load(Lanes(), of + vector * kLanes); }
 };
 
-/// Calls use() with a pointer to attribute `a` of a vector of points, a T per lane; 0 after the last point of the tile.
+/// Calls use() with a pointer to attribute `a` of a vector of points, a T per lane; `use` finds 0 after the last point
+/// of the tile.
 template <class T, class Use>
 HWY_INLINE auto WithOwn(const Tile& tile, std::size_t a, std::size_t vector, const Use& use) {
   const std::size_t first = vector * kLanes, size = tile.size - first;

@@ -103,8 +103,8 @@ struct Extents {
       if (ordinary.of[l - begin] == 0) tile.count[l] == 0 ? HaveNone(l) : Search(tile, offsets, l);
     }
   }
-  /// Measures point l, whose neighbours come in any order, at distances whose squares may under- or overflow; or
-  /// removes the neighbours, as described at the constructor.
+  /// Measures point l, whose neighbours come in any order, at distances whose squares may under- or overflow. Removes
+  /// the neighbours under the conditions of the constructor.
   HWY_INLINE void Search(Tile& tile, Offsets& offsets, std::size_t l) {
     const std::size_t k = tile.count[l], i = tile.first + l;
     double extent = 0;
@@ -209,8 +209,8 @@ struct Weighting {
   }
 };
 
-/// The weights of the neighbours that a tile holds, in single precision. An error of a weight, relatively below 1e-7,
-/// changes a term of Σ θ o o^T by one factor in all directions: small eigenvalues keep their digits, and the
+/// The weights of the neighbours that a tile holds, in single precision. The relative error of a weight is below 1e-7
+/// and scales a whole term θ o o^T of the sum, in all directions alike: small eigenvalues keep their digits, and the
 /// eigenvector of λ0 turns by about 1e-7 λ1 / (λ1 - λ0).
 class Weights {
  public:

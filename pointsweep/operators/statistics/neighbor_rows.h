@@ -12,8 +12,8 @@ namespace pointsweep {
 struct OperatorDeclaration;
 
 /// Makes "neighbors", N×k u32 (u64 from 2^32 - 1 rows on): the input rows of the neighbours, nearest first; and, if
-/// `distances`, "distances", N×k f64. If a point has fewer than k neighbours, its remaining rows are the largest value
-/// of the type, and its remaining distances NaN.
+/// `distances`, "distances", N×k f64. If a point has fewer than k neighbours, the rest of its k rows are the largest
+/// value of the type, and the rest of its distances NaN.
 ///
 /// After an operator that moves points, N_i is still the set that was found before, and its k nearest at the moved
 /// positions are written, nearest first at these positions; equal distances go by moved x, y, z, then row. Neighbours

@@ -11,7 +11,8 @@
 
 namespace pointsweep {
 
-/// Computes curvatures from the second moments of the normals of the neighbours N_i of a point, in the paper
+/// Computes curvatures from the second moments of the normals of the neighbours N_i of a point, which the paper defines
+/// as
 ///   C_i = 1/|N_i| Σ_j n_j n_j^T θ(|p_j - p_i|),  θ as in Equation 1.
 /// n n^T does not depend on the sign of n: normals need no orientation, and curvatures have no sign.
 ///
@@ -39,8 +40,9 @@ namespace pointsweep {
 /// equal (a sphere, a plane), k1_direction is an arbitrary tangent.
 ///
 /// All are 0, and the point counts as degenerate, where it has no normal, where fewer than three neighbours have a
-/// normal, or where the neighbours with normals lie on a line to rounding: det <= (1e-12 trace + ρ²) trace of D within
-/// the tangent plane, with ρ = 2^-51 of the largest coordinate of p_i; or where an offset overflows or is not finite.
+/// normal, or where the neighbours with normals lie on a line to rounding: det <= (1e-12 trace + ρ²) trace, with the
+/// determinant and the trace of D within the tangent plane and ρ = 2^-51 of the largest coordinate of p_i; or where an
+/// offset overflows or is not finite.
 ///
 /// Bias on dense noiseless surfaces: true normals give none on spheres and cylinders. Normals estimated from the same
 /// neighbourhoods give mean errors of k1 and k2 under 4 % at k = 64 and 8 % at k = 32; see docs/paper.md.

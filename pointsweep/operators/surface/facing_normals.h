@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The trajectory of a moving sensor, and normals that face the sensor.
+/// The trajectory of a moving sensor, and normals that face the sensor where it was when it measured the point.
 #pragma once
 
 #include <memory>

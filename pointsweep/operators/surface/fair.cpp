@@ -78,7 +78,8 @@ class FairInPercent final : public LocalOperator {
   }
   void apply(const Neighborhoods&, Columns&) const override {}
   std::array<bool, 3> changes_system() const override { return {}; }
-  /// Returns Fair with widths in length units. Throws UsageError if all points lie in one place.
+  /// Returns Fair with widths in length units. Throws UsageError if the diagonal is 0: there is no finite point, or all
+  /// lie in one place.
   std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override {
     const double diagonal = values[0][0];
     if (!(diagonal > 0))

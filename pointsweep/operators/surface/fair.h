@@ -13,7 +13,7 @@
 namespace pointsweep {
 
 /// p_i' = 1/w_i Σ_j Π_j(p_i) a_j f(|p_j - p_i|) g(|Π_j(p_i) - p_i|),  j over N_i and i itself, w_i the sum of the
-/// weights.
+/// weights a_j f g, with the Gaussians f and g of FairOptions.
 ///
 /// Π_j(p_i) is the projection of p_i onto the tangent plane of p_j, as the symbol says and as in Jones, Durand and
 /// Desbrun, "Non-iterative, feature-preserving mesh smoothing" (2003), which the paper extends. The paper's sentence

@@ -37,7 +37,7 @@ enum class Feature : std::uint8_t {
 };
 inline constexpr std::size_t kFeatures = 15;
 
-/// The set P of a point contains its neighbours and, by default, p_i itself; n = |P|, p̄ its mean.
+/// The set P of a point contains its neighbours and, by default, p_i itself; n = |P|, p̄ the mean of P.
 ///   Σ = 1/n Σ_{p in P} (p - p̄)(p - p̄)^T, eigenvalues l1 >= l2 >= l3 >= 0, unit eigenvectors e1, e2, e3.
 /// λ are l (raw, length²), √l (root, length) or l / (l1 + l2 + l3) (normalized).
 ///
@@ -51,8 +51,8 @@ inline constexpr std::size_t kFeatures = 15;
 /// | eigenvalue_sum      | λ1 + λ2 + λ3                    | length² / length / 1 |
 /// | surface_variation   | λ3 / (λ1 + λ2 + λ3)             | 1, [0, 1/3] |
 /// | verticality         | 1 - |e3 · z|                    | 1, [0, 1] |
-/// | moment1_axis1, 2    | |Σ_{p in P} (p - p_i) · e1|, e2 | length |
-/// | moment2_axis1, 2    | Σ_{p in P} ((p - p_i) · e1)², e2 | length² |
+/// | moment1_axis1, 2    | |Σ_{p in P} (p - p_i) · e_a|    | length; a = 1 or 2, as in axis1 and axis2 |
+/// | moment2_axis1, 2    | Σ_{p in P} ((p - p_i) · e_a)²   | length² |
 /// | height_range        | max z - min z over P            | length |
 /// | number_of_neighbors | n (N u32)                       | 1 |
 ///

@@ -67,8 +67,8 @@ HWY_INLINE PointSums SumPoints(const Tile& tile, const Extents& extents, Offsets
     offsets.Hold(from);
     for (std::size_t c = 0; c < tile.Held(from); ++c) {
       const Vector o = sums.scaling.Scaled(offsets.Load(v, c));
-      // After a point's last neighbour the offsets are 0, which changes no sum: p_i, which also has the offset 0,
-      // counts.
+      // After a point's last neighbour the offsets are 0. They change no sum, and no extreme z, since p_i has the
+      // offset 0, too.
       if constexpr (kWithPoint) {
         sums.Include(o);
       } else {
