@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Output of the tool: texts on standard output, sentences on standard error; and errors of the command line. No
-/// function of this file except refuse() throws. A sentence that cannot be written has no effect on the exit status of
-/// a verb; a text that cannot be written makes the verb fail (printing_error()), unless standard output is closed or
-/// its reader has ended.
+/// function of this file except refuse() throws an Error. A sentence that cannot be written has no effect on the exit
+/// status of a verb; a text that cannot be written makes the verb fail (printing_error()), unless standard output is
+/// closed or its reader has ended.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,9 +17,9 @@
 
 namespace pointsweep {
 
-/// Prepares standard input, output and error at the start of main(). A closed stream gets a descriptor that can neither
-/// be read nor written, so that no file of a run takes its number. A reader that has ended, and a limit on the size of
-/// files, become errors of writing instead of signals.
+/// Prepares standard input, output and error at the start of main(). A closed stream gets a descriptor, so that no file
+/// of a run takes its number; reading it, for standard input, or writing it, for the others, fails. A reader that has
+/// ended, and a limit on the size of files, become errors of writing instead of signals.
 void open_console();
 
 /// Writes the whole text to a descriptor. Returns 0 or the errno of a failure.
@@ -32,7 +32,8 @@ void print(std::string_view text);
 /// without a terminal.
 std::size_t text_columns();
 
-/// Returns the errno of the first failure of print() other than a closed standard output; 0 without a failure.
+/// Returns the errno of the first failure of print() for another reason than a closed standard output or a reader that
+/// has ended; 0 without such a failure.
 int printing_error();
 
 /// Severity of a sentence to the user. error: the run failed. warning: the result may not be what the user meant. note:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Ctrl-C and similar signals: the first signal asks the run to stop cleanly, the second one has the system's default
-/// effect and ends the process.
+/// Ctrl-C and similar signals: the first signal asks the run to stop cleanly, a second one of the same number has the
+/// system's default effect and ends the process.
 #pragma once
 
 #include "pointsweep/cancellation.h"
@@ -11,7 +11,7 @@ namespace pointsweep {
 /// the process still runs 0.7 s later, because it waits for a disk or an operator of the user does not return,
 /// unfinished files are removed and the process ends with status 128 + signal.
 void catch_interrupts();
-/// Returns the number of the signal that came; 0 if none has come.
+/// Returns the number of the last signal that came; 0 if none has come.
 int interrupting_signal();
 inline bool interrupted() { return interrupting_signal() != 0; }
 /// Returns the token that the first signal cancels.

@@ -21,8 +21,8 @@ std::string_view commit_of_build();
 /// Stores the command line for command_line(). Must be called once, at the start of main().
 void keep_command_line(int argc, const char* const* argv);
 
-/// Returns the command line, quoted for a shell, with the name of the program without its folder: "pointsweep normals
-/// 'my scan.ply' out.ply".
+/// Returns the command line, quoted for a shell, with "pointsweep" in place of the path of the program: "pointsweep
+/// normals 'my scan.ply' out.ply".
 const std::string& command_line();
 
 }  // namespace pointsweep

@@ -130,7 +130,7 @@ std::string zsh_case(const DeclaredVerb& verb) {
   return text + "\n      ;;\n";
 }
 
-/// Returns the values that fish offers after an option or as an argument.
+/// Returns the arguments of fish's command `complete` that say which values fish offers for an option or an argument.
 std::string fish_values(const DeclaredOption& option) {
   switch (option.offer) {
     case Offer::words:

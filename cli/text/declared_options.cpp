@@ -45,7 +45,8 @@ void set_offer_of_argument(DeclaredOption& argument, const CLI::App& app) {
   if (argument.words.empty()) argument.offer = Offer::files;
 }
 
-/// Sets the kind of completions of an option from the name of its value: a name like "input|sweep" lists the words.
+/// Sets the kind of completions of an option from the name of its value: FILE, DIR, TEXT|FILE for a pipeline; a name of
+/// several parts in lower case, like "input|sweep", lists the words.
 void set_offer_of_option(DeclaredOption& option) {
   const std::vector<std::string> names = split_words(option.value, '|');
   const auto says = [&](const char* name) { return std::ranges::find(names, name) != names.end(); };

@@ -35,7 +35,7 @@ bool is_coordinate(const Schema& schema, std::size_t field) {
   return is("x") || is("y") || is("z");
 }
 
-/// Returns lines with the scale and offset of coordinates that the file stores as integers.
+/// Returns lines with the scale and offset of the coordinates; empty if all scales are 1 and all offsets 0.
 std::string storage_text(const Schema& schema) {
   const Field &x = schema.fields[*schema.find("x")], &y = schema.fields[*schema.find("y")],
               &z = schema.fields[*schema.find("z")];
@@ -83,7 +83,8 @@ std::string gps_text(const FileSummary& s) {
   return line("gps time", text);
 }
 
-/// Replaces the middle of a long text, e.g. with a polygon of many points, by the number of characters left out.
+/// Returns the text; of a text longer than kMost, such as one that holds a polygon of many points, only the beginning
+/// and the end, and between them the number of characters left out.
 std::string shortened(const std::string& text) {
   constexpr std::size_t kMost = 2000, kBegin = 1500, kEnd = 400;
   if (text.size() <= kMost) return text;
@@ -124,7 +125,7 @@ std::string cell_of(const std::optional<Crs>& crs) {
   return crs->name.empty() ? "without a name" : crs->name;
 }
 
-/// Returns the bounds along the axis, with enough decimals to show a ten-thousandth of their distance.
+/// Returns the bounds along the axis, with enough decimals to show a ten-thousandth of their distance, at most 9.
 std::string cell_of_axis(const Box& bounds, int axis) {
   if (bounds.empty()) return "-";
   const double lo = bounds.lo[axis] + 0.0, hi = bounds.hi[axis] + 0.0;  // -0 becomes 0

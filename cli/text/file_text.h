@@ -20,8 +20,8 @@ std::string attribute_text(const Schema& schema);
 /// Returns only the lines of the summary about points and bounds.
 std::string to_text(std::uint64_t points, const Box& bounds);
 
-/// Returns tables with the number of points of each group and a line for each attribute of each group, and histograms
-/// with bars.
+/// Returns a table with the number of points of each group, if there is an attribute to group by; a table with a line
+/// for each attribute of each group; and histograms with bars.
 std::string to_text(const PointStatistics& statistics);
 
 /// A table: headings and lines of cells, in columns as wide as their longest cells.
@@ -64,7 +64,7 @@ class FileTotals {
   std::size_t unreadable() const { return unreadable_; }
   std::uint64_t points() const { return points_; }
   const Box& bounds() const { return bounds_; }
-  /// Returns the number of finite points per unit of the total area; none without an area.
+  /// Returns the number of finite points of the files with an area per unit of their total area; none without an area.
   std::optional<double> density() const;
   /// Returns lines with the sums over all readable files, and the sentences on their inconsistencies.
   std::string text(const std::vector<std::string>& inconsistencies) const;

@@ -57,7 +57,7 @@ std::string option_list(const char* section, const std::vector<DeclaredOption>& 
   return text;
 }
 
-/// Returns the footer of a help as a section. Lines that begin with a blank (examples, tables) are copied unchanged;
+/// Returns the footer of a help as a section. Lines that begin with a blank (examples, tables) stay separate lines;
 /// the other lines form paragraphs.
 std::string notes(const std::string& footer, const char* section) {
   std::istringstream in(footer);

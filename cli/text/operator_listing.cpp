@@ -101,7 +101,7 @@ OrderedJson json_of(const OptionValue& value) {
   return nullptr;
 }
 
-/// Returns the limit as a JSON number; null if there is no upper limit.
+/// Returns the limit as a JSON number; null if it is infinite, which means no limit.
 OrderedJson json_of_limit(double limit) { return std::isfinite(limit) ? OrderedJson(limit) : OrderedJson(); }
 
 OrderedJson json_of(const OptionDeclaration& option) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kHistogramBar = 40;
 
-/// Returns the value with 7 digits if the attribute is float32, else with 10.
+/// Returns the value with 7 significant digits if the attribute is float32, else with 10.
 std::string number_text(double value, Type type) {
   return fmt::format("{:.{}g}", value + 0.0, type == Type::f32 ? 7 : 10);  // adding 0 turns -0 into 0
 }

@@ -18,8 +18,8 @@ namespace pointsweep {
 /// Makes standard input readable if it is one of the inputs ("-"); a pipe is copied to the temporary folder.
 void take_standard_input(const std::vector<std::filesystem::path>& inputs, const CommonOptions& options);
 
-/// Adds --dry-run, --nonfinite, --threads, --ignore-crs, --format, --overwrite, and the options of add_stream_options()
-/// and add_progress_options().
+/// Adds --dry-run, --nonfinite, --threads, --ignore-crs, --force, and the options of add_stream_options(),
+/// add_format_option() and add_progress_options().
 void add_run_options(CLI::App& verb, CommonOptions& options);
 
 /// The work of a verb over a whole cloud.
@@ -62,8 +62,9 @@ void add_output_options(CLI::App& verb, PipelineRun& run);
 /// options of add_run_options() and add_cluster_options().
 void add_file_options(CLI::App& verb, PipelineRun& run);
 
-/// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, or if a stage states an
-/// orientation itself. Does nothing if `orientation` is empty.
+/// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, if a stage states an
+/// orientation itself, or if the orientation is that of a viewpoint which is not given. Does nothing if `orientation`
+/// is empty.
 void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText>& orientation);
 
 /// Adds --dask, --scratch and --take-over.

@@ -31,9 +31,9 @@ void declare_completion_verb(CLI::App& verb);
 void declare_man_verb(CLI::App& verb);
 void declare_help_verb(CLI::App& verb);
 
-/// Adds all verbs, in the order of the help. If the command line begins with the verb `asked`, only that verb gets its
-/// options, because the tool starts a third sooner without the options of the others. For help, completion and man,
-/// which show other verbs, all verbs get their options.
+/// Adds all verbs, in the order of the help. `asked`: first argument of the command line. If it is a verb, only that
+/// verb gets its options, because the tool starts a third sooner without the options of the others. All verbs get their
+/// options for help, completion and man, which show other verbs, and if `asked` is no verb.
 void add_verbs(CLI::App& app, std::string_view asked = "");
 
 /// Error of `verify` if it found no difference but could not check everything. Its exit status is 3.

@@ -40,7 +40,7 @@ struct CommonOptions : RunOptions {
   ClusterOptions cluster;
 };
 
-/// Returns the texts of all options that differ from their defaults, by the names of the options.
+/// Returns the texts of all run options that differ from their defaults, by the names of the options.
 std::map<std::string, std::string> texts_of(const RunOptions& options);
 
 /// Returns the rules by which the inputs become one cloud.
@@ -93,7 +93,7 @@ struct InputsAndOutput {
 
 /// The files to read and to write.
 struct ResolvedFiles {
-  std::vector<std::filesystem::path> inputs;  ///< point files, also for folders, patterns and .vpc files
+  std::vector<std::filesystem::path> inputs;  ///< point files, those of folders, patterns and .vpc files included
   std::filesystem::path output;               ///< output, with a * in its name if the run divides it among files
   std::vector<std::filesystem::path> tiles;   ///< an output for each input if `output` is a folder; else empty
   std::vector<std::string> notices;           ///< sentences about files that are left out
@@ -112,10 +112,11 @@ void add_output_format_option(CLI::App& verb, std::string& format);
 void add_output_option(CLI::App& verb, std::filesystem::path& output);
 
 /// Lists the files that a command reads and writes (pointsweep/files.h). `format`: value of --format, or "". If OUT is
-/// a folder or ends in '/', each input gets an output in this folder, unless `named.divides`. Throws UsageError if no
-/// input or no output is named, if the last of several names is an existing file or folder of point files (the user has
-/// probably forgotten OUT after a pattern), if an output is an input or another output, and if inputs have no format
-/// that can be written; Error for a folder without point files.
+/// a folder or ends in '/', each input gets an output in this folder, unless `named.divides`. Throws UsageError for
+/// names that do not fit together: if no input or no output is named, if the last of three or more names is an existing
+/// file or folder of point files (the user has probably forgotten OUT after a pattern), if an output is an input or
+/// another output or would be an input of a later run, or if the outputs have no format that can be written. Throws
+/// Error for a missing input or a folder without point files.
 ResolvedFiles resolve(const InputsAndOutput& named, const std::string& format);
 
 /// Throws UsageError, with the reason, if the output of a verb that makes one output of all inputs is a folder.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// The verbs that divide an output:
 /// - `pointsweep tile IN... OUT/ --size S` cuts a cloud into square tiles;
-/// - `pointsweep split IN... OUT/ --by A` writes a file for each value of an attribute.
+/// - `pointsweep split IN... OUT/ --by A` writes a file for each value of an attribute, with --parts N for each of N
+///   random parts.
 #include <memory>
 #include <string>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// `pointsweep info FILE...`: the contents of point files, found by reading all points.
+/// `pointsweep info FILE...`: the contents of point files, found by reading all points; with --quick, and for URLs
+/// unless more is asked for, the contents of their headers.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -186,7 +187,8 @@ PointStatistics statistics_of(const std::vector<std::filesystem::path>& files, c
   return point_statistics(cloud, asked);
 }
 
-/// Returns the statistics of the points of all files; none if not requested, or if a file cannot be read.
+/// Returns the statistics of the points of all files; none if not requested, or if a file cannot be read. Throws
+/// UsageError for wrong options.
 std::optional<PointStatistics> statistics_if_readable(const std::vector<std::filesystem::path>& files,
                                                       const InfoCommand& options, ProgressDisplay& progress) {
   if (!options.has_statistics() || files.empty()) return std::nullopt;

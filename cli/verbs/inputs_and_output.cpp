@@ -28,7 +28,8 @@ bool is_folder_name(const fs::path& path) {
   return !is_standard_stream(path) && (!path.has_filename() || fs::is_directory(path, error));
 }
 
-/// Returns whether the last of several names may be meant as an input: a file or a folder of point files has this name.
+/// Returns whether the last of three or more names may be meant as an input: a file, or a folder of point files, of
+/// this name exists, and the folder is not the output of a run that is resumed.
 bool may_be_input(const InputsAndOutput& named) {
   std::error_code error;
   if (is_url(named.output())) return false;  // opening the output refuses an object that exists
@@ -47,7 +48,8 @@ void require_input_and_output(const InputsAndOutput& named) {
         named.output().string(), named.files.size());
 }
 
-/// Throws UsageError if the folder of outputs is a folder of inputs: a later run would take the outputs as inputs.
+/// Throws UsageError if the folder of outputs is a folder of inputs, or with --recursive lies inside of one: a later
+/// run would take the outputs as inputs.
 void require_no_folder_of_inputs(const InputsAndOutput& named, const fs::path& folder) {
   std::error_code error;
   const fs::path output = fs::weakly_canonical(fs::absolute(folder / "", error), error);

@@ -31,7 +31,7 @@ struct ShortForm {
   const char* verb;
   const char* output;        ///< contents of OUT, after "with the attributes of the input" in the help
   const char* stages;        ///< stages of the pipeline after knn
-  const char* with_options;  ///< stage after normals whose options the verb takes as flags; empty for none
+  const char* with_options;  ///< stage, other than normals, whose options the verb takes as flags; empty for none
   const char* remark;
   const char* example;
 };
@@ -124,7 +124,7 @@ constexpr ThinningFlag kThinningFlags[] = {
 
 struct ThinCommand {
   PipelineRun run;
-  std::vector<StageText> stages;  ///< stages selected by flags, with the given options
+  std::vector<StageText> stages;  ///< all stages that thin, each with the options that flags give it
 };
 
 const OptionDeclaration& declared_option_of(const ThinningFlag& flag) {

@@ -14,10 +14,11 @@
 
 namespace pointsweep {
 
-/// Display of the progress of a run. A terminal gets a bar with rate and remaining time, ten times a second, without
-/// escape sequences. Other streams, and a terminal with TERM=dumb, get a line every five seconds. Programs get
-/// `{"phase":"normals","done":123,"total":456,"seconds":0.5}` five times a second, and always the first and the last
-/// report of a phase.
+/// Display of the progress of a run. A terminal gets a bar with rate and remaining time, at most ten times a second,
+/// without escape sequences; a terminal of less than 60 columns gets the percentage and the remaining time alone. Other
+/// streams, and a terminal with TERM=dumb, get a line at most every five seconds. Programs get
+/// `{"phase":"normals","done":123,"total":456,"seconds":0.5}` at most five times a second, and always the first and the
+/// last report of a phase.
 class ProgressDisplay {
  public:
   using Clock = std::function<std::chrono::steady_clock::time_point()>;

@@ -11,8 +11,8 @@ namespace pointsweep {
 
 /// A thread that the interpreter has not started gets a new thread state, with new `threading.local` values, each time
 /// that it attaches to the interpreter. The workers of a run are such threads, and the run does not own them. So a run
-/// calls Python on the threads of a PythonThreads, which it owns: each stays attached from its first call to the end of
-/// the run, and so keeps one thread state. There are at most as many as workers that call at the same time.
+/// calls Python on the threads of a PythonThreads, which it owns: each keeps one thread state from its first call to
+/// the end of the run. There are at most as many of them as workers that call at the same time.
 class PythonThreads {
  public:
   PythonThreads();

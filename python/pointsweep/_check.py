@@ -21,7 +21,7 @@ from ._types import PipelineLike
 class Difference(NamedTuple):
     """A difference between two runs."""
 
-    run: str  #: the settings in which this run differed from the first one
+    run: str  #: name of this run, which says what differs from the first run: 'four threads'
     attribute: str  #: the attribute that differs; 'row': other points were kept
     rows: np.ndarray  #: rows with different values; empty if the number of rows differs
 

@@ -30,7 +30,7 @@ _PHASES = {"look": "checking", "other": "ordering", "order": "ordering", "sweep"
 _WAIT_SECONDS = 30.0
 _LOOK_SECONDS = 5.0  # time between two checks for tasks that may hang and for new workers
 _RESULT_SECONDS = 20.0  # time limit for a reply of a few hundred bytes from its worker
-_SLOW_SECONDS = 60.0  # a task may hang if it takes longer than this and ten times as long as the longest finished task
+_SLOW_SECONDS = 60.0  # a task counts as hanging after more than this and ten times the longest finished task
 
 Progress = Callable[[str, int, int], Any] | None
 
@@ -149,7 +149,7 @@ class _Run:
         self._client, self._place, self._request, self._rounds, self._rows = client, place, request, rounds, rows
         self._progress, self._other_rows = progress, other_rows
         self._tiles = len(rows)
-        self._first_row = list(itertools.accumulate(rows, initial=0))  # number of the first row of each tile; the last element is the number of all rows
+        self._first_row = list(itertools.accumulate(rows, initial=0))  # first row of each tile or range, then the number of all rows
         self._done: list[dict[int, Done]] = [{} for _ in rounds]
         self._longest, self._damages = 0.0, 0
         self._hanging: set[str] = set()  #: addresses of workers that have taken much too long for a task
@@ -282,7 +282,7 @@ class _Run:
             self._place.note(round=number, tile=tile, done=list(done))
             points += rows[tile]
             self._tell(kind, points, sum(rows))
-        for copy in running:  # these tasks have been done by other workers
+        for copy in running:  # copies of tasks that another worker has done
             copy.cancel()
         return None
 

@@ -10,7 +10,7 @@ version: str
 run_options: dict[str, tuple[str, list[str], str]]  # by name: the placeholder of the value, the words that are allowed, and the flag of the command-line tool
 default_neighbors: int  # default of the parameter k of pointsweep.neighbors()
 
-Source = list[Any]  # paths, or arrays of shape (n, m) with the names of their components: (names, array)
+Source = list[Any]  # paths, or pairs (names of the components, array of the shape (n, m))
 Pipeline = list[Any]  # texts, and operators of Python
 Options = dict[str, Any]
 Groups = list[tuple[str, list[str]]]  # names of arrays, and the components that each consists of

@@ -21,7 +21,7 @@ class Crs:
         self.name: str = known[0]  #: name in the file; may be empty
         self.epsg: int = known[2]  #: EPSG code of the horizontal system; 0: not stated
         self.vertical_epsg: int = known[3]  #: EPSG code of the heights; 0: not stated
-        self.wkt: str = known[4]  #: well-known text; empty if the file has GeoTIFF keys
+        self.wkt: str = known[4]  #: well-known text; empty if only GeoTIFF keys state the system
 
     def to_wkt(self) -> str:
         """Returns the well-known text. For a file with GeoTIFF keys it is made from their EPSG codes, which needs pyproj."""

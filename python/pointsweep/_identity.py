@@ -90,7 +90,7 @@ class _Digests:
             return [value.tobytes()]
         if isinstance(value, property):
             return self._all(name, [value.fget, value.fset, value.fdel])
-        wrapped = getattr(value, "py_func", getattr(value, "__wrapped__", None))  # set by Numba, by functools
+        wrapped = getattr(value, "py_func", getattr(value, "__wrapped__", None))  # Numba sets py_func, functools __wrapped__
         if isinstance(wrapped, types.FunctionType):
             return [_reference(type(value)), self.of(name, wrapped)]
         if isinstance(value, (np.ndarray, np.generic)) or hasattr(value, "__dlpack__"):

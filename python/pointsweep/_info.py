@@ -38,7 +38,7 @@ class GpsTimes(NamedTuple):
     min: float  #: seconds
     max: float
     clock: str  #: 'week_seconds', 'adjusted_standard' or 'unknown'
-    start: str | None  #: date and time of `min` on the GPS scale; None unless the clock is 'adjusted_standard'
+    start: str | None  #: date and time of `min` on the GPS scale; None for other clocks, before 1980 and from 2200 on
     end: str | None
 
 
@@ -64,12 +64,12 @@ class FileSummary(NamedTuple):
     crs: Crs | None
     scale: _Point  #: scale of x, y and z; 1 if coordinates are stored unscaled
     offset: _Point
-    density: float | None  #: points for each square unit of x and y
-    density_cell: float | None  #: side of the square cells of x and y in which `density` counts points
-    spacing: float | None  #: median distance to the nearest other point; None: not measured
+    density: float | None  #: finite points for each square unit of x and y in occupied cells; None without an area
+    density_cell: float | None  #: side of the square cells of x and y whose occupied ones `density` takes as the area
+    spacing: float | None  #: median distance to the nearest other point; None: not measured, or no two finite points
     spacing_sample: int  #: number of points measured
     spacing_duplicates: int  #: points of the sample that have the coordinates of another point
-    ascending: tuple[str, ...]  #: axes along which the coordinates of points never decrease
+    ascending: tuple[str, ...]  #: axes with coordinates that never decrease and are not all equal
     descending: tuple[str, ...]
     classes: dict[int, int] | None  #: number of points of each class; None: the file has no classification
     returns: dict[int, int] | None  #: number of points of each return number

@@ -68,7 +68,7 @@ class Done(NamedTuple):
     """The reply of a task, a few hundred bytes."""
 
     left: str  #: name under which the task has stored its results in the scratch
-    rows: int  #: number of rows of the tile that no stage has dropped
+    rows: int  #: number of rows of the tile that no stage has dropped, or of the file of another cloud
     own: int  #: finite points of the tile that were ordered or swept
     swept: int  #: points that were swept: those of the tile and of its halo
     written: int  #: points written to outputs

@@ -100,7 +100,7 @@ class Arrays(dict):
 
     #: statistics of the run; None for generated points
     report: Report | None = None
-    #: the coordinate system that the input of the run states
+    #: the coordinate system of the input of the run, as stated or given
     crs: Crs | None = None
     _components: Mapping[str, list[str]] = {}  # names of the components of arrays, as files have them
 

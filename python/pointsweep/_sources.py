@@ -31,7 +31,7 @@ class Source(NamedTuple):
     is_files: bool
     options: dict[str, Any]  #: options of the run and of opening files, and the coordinate system of arrays
     crs: Crs | None
-    names: list[str] = []  #: names of files in a folder of outputs
+    names: list[str] = []  #: names of the outputs of these files in a folder of outputs; empty for arrays
 
     @property
     def divides(self) -> bool:

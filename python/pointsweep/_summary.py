@@ -44,7 +44,7 @@ class AttributeSummary(NamedTuple):
 class Histogram(NamedTuple):
     """Counts of the finite values of one attribute. ``edges[i] <= value < edges[i + 1]`` in bin i."""
 
-    edges: np.ndarray  #: (bins + 1,) float64, multiples of their distance, which is 1, 2 or 5 times a power of ten
+    edges: np.ndarray  #: (bins + 1,) float64, multiples of 1, 2 or 5 times a power of ten; empty without a finite value
     counts: np.ndarray  #: (bins,) int64
 
 

@@ -20,7 +20,7 @@ class Verdict(NamedTuple):
     input: str  #: name of the (first) input
     output: str
     same: bool  #: nothing differs
-    complete: bool  #: no requested check remained undecided
+    complete: bool  #: every value and row that had to be checked could be, and none remained undecided
     points: int  #: number of points of the output
     order: str  #: order of its rows: 'input' or 'sweep along x'; empty: neither
     computed: tuple[str, ...]  #: attributes that were recomputed by brute force for a sample of the points
