@@ -41,7 +41,8 @@ constexpr std::uint64_t kBlockBytes = 2 * 24;
 constexpr std::uint64_t kNeighborInHandBytes = 14;
 /// Bytes for each of the k nearest neighbours during their search, which may hold 2 k candidates and a copy of them.
 constexpr std::uint64_t kCandidateBytes = 128;
-/// Smallest and largest blocks of the spilled stream (order/stream.cpp) and of spilled results (order/row_store.cpp).
+/// Bytes of the smallest and largest blocks of the spilled stream (order/stream.cpp) and of spilled results
+/// (order/row_store.cpp).
 constexpr std::uint64_t kLeastStreamBlock = 8192, kLeastResultBlock = 4096, kLargestBlock = 1u << 20;
 constexpr std::uint64_t kMostStreamPieces = 4096;
 /// Most and least memory for the lists that a thread uses at a time.
@@ -260,7 +261,8 @@ class Division {
   MemoryPlan out_;
 };
 
-/// Allows more than one slab per turn if memory is left for more. If slabs had to be made thinner, no memory is left.
+/// Allows more than one slab per turn if memory is left for more slabs, which is not so if slabs had to be made
+/// thinner.
 void add_slabs_to_turns(MemoryPlan& out, const SweepPlan& plan, const MemoryDemand& demand, bool lists) {
   if (out.slab_points < demand.slab_points) return;
   const std::uint64_t planned = cells_bytes(plan, out.slab_points, demand, lists);

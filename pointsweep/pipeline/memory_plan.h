@@ -50,7 +50,7 @@ struct MemoryPlan {
   std::uint64_t cells_bytes = 0;     ///< limit for the cells of the window
   std::uint64_t in_order_bytes = 0;  ///< limit for an in-order operator
   std::uint64_t lists_bytes = 0;     ///< memory for the lists that each thread uses at a time
-  std::uint64_t expected_bytes = 0;  ///< expected memory of the whole run
+  std::uint64_t expected_bytes = 0;  ///< expected memory of the whole process in this pass
   std::uint64_t needed_bytes = 0;    ///< least sufficient budget; 0 if the given one suffices
 };
 
@@ -64,12 +64,13 @@ std::uint64_t whole_window_bytes(const SweepPlan& plan, std::uint64_t points);
 /// points; Estimates::open_points() takes it as k. The width of the stretch is 0.85 times the width of a ball with the
 /// points of an ordinary cell, plus, for each step, 2.5 times the width of a neighbourhood's ball. With this number,
 /// plans have room for 1.1 to 3.1 times the points that were in the window of four clouds of 1M points (k = 8 and 64,
-/// two and three steps, slabs of 8,192 and 32,768 points), and for more than that in the smallest windows. For a wall
-/// across the axis the number is too large.
+/// two and three steps, slabs of 8,192 and 32,768 points), and for more than 3.1 times in the smallest windows. For a
+/// wall across the axis the number is too large.
 std::uint64_t window_neighbors(const SweepPlan& plan, std::uint32_t cell_points, double dimension);
 
-/// Plans a run. Prefers memory, then spilling, then thinner slabs. A budget larger than a sufficient one also suffices.
-/// For a budget that is too small, MemoryPlan::needed_bytes states the least sufficient one.
+/// Plans a pass. Prefers memory, then slabs on demand (if possible), then spilling, then thinner slabs. A budget larger
+/// than a sufficient one also suffices. For a budget that is too small, MemoryPlan::needed_bytes states the least
+/// sufficient one.
 MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand);
 /// Throws the Error for a budget that is too small.
 [[noreturn]] void fail_budget(std::uint64_t budget, std::uint64_t needed_bytes);

@@ -23,23 +23,23 @@
 
 namespace pointsweep {
 
-/// Returns lines of text: the version of pointsweep and of its checkpoints, inputs (with size and time), outputs,
-/// points of a cell, options that change outputs, the coordinate system that the user states, the pipeline with every
-/// option of every stage, passes, and the fields that are kept. Throws Error if an input is not a file, since its
-/// changes could not be detected.
+/// Returns lines of text: the version of pointsweep and of its checkpoints, inputs (with size and time, or ETag),
+/// outputs, points of a cell, options that change outputs, the coordinate system that the user states, the pipeline
+/// with every option of every stage, passes, and the fields that are kept. Throws Error if an input is neither a file
+/// nor a URL, since its changes could not be detected.
 std::string run_identity(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
                          const EngineOptions& options);
 
 /// Throws Error, which names the first different line, if `checkpoint`, an identity from `folder`, differs from `now`.
 void require_same_run(const std::string& checkpoint, const std::string& now, const std::filesystem::path& folder);
 
-/// The state of a run at a checkpoint. During a pass, `stream` is set first, when the points are in order. During the
-/// sweep, `results` and `progress` are set, too. After the sweep only `results` is set. None of the three is set after
-/// the update, when the results have become the rows of the next pass.
+/// The state of a run at a checkpoint. During a pass that puts points in order, `stream` is set first, when the points
+/// are in order. During the sweep, `results` and `progress` are set, too. After the sweep only `results` is set. None
+/// of the three is set after the update, when the results have become the rows of the next pass.
 struct Checkpoint {
-  std::uint64_t memory_bytes = 0;   ///< the budget, for a resumed run that states none
-  Survey survey;                    ///< survey of the input, from which a resumed run also plans its memory
-  std::uint64_t sweep = 0;          ///< pass to begin or to continue; the rows carried into it are complete
+  std::uint64_t memory_bytes = 0;  ///< the budget, for a resumed run that states none
+  Survey survey;                   ///< survey of the input, from which a resumed run also plans its memory
+  std::uint64_t sweep = 0;  ///< number of the pass to begin or to continue; the rows carried into the pass are complete
   std::uint64_t slab_points = 0;    ///< intended number of points of a slab, the unit in which `stream` is read
   std::vector<std::byte> stream;    ///< encoded Stream; empty before the points are in order and after the sweep
   std::vector<Vec3> bucket_places;  ///< Ordered::bucket_places (run/phases.h); empty after the sweep
@@ -79,7 +79,7 @@ class Checkpoints {
 
   /// Sets the survey and the memory budget of the run, which later checkpoints contain.
   void surveyed(const Survey& survey, std::uint64_t memory_bytes);
-  /// Saves a checkpoint, unless last() is in order already. Must be called when the points are in order.
+  /// Saves a checkpoint, unless last() already has the points in order. Must be called when the points are in order.
   /// `bucket_places`: Ordered::bucket_places.
   void in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places);
   /// Saves a checkpoint. Must be called when the sweep of the pass is complete.

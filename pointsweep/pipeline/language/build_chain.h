@@ -46,9 +46,9 @@ Chain build_chain(const std::vector<StageText>& stages, const InputCloud& cloud,
 /// Returns a stage in its canonical text (canonical_stages).
 std::string canonical_text(const ChainStage& stage, Presets presets);
 
-/// Returns the neighbourhood as a stage, such as "knn(k=12)"; k is left out if it is unlimited. If the rule of the
-/// neighbourhood has no options, as a rule of a user may, its meaning follows in words that parse_pipeline() does not
-/// read.
+/// Returns the neighbourhood as a stage, such as "knn(k=12)"; k is left out if it is unlimited or left to the
+/// operators. If the rule of the neighbourhood has no options, as a rule of a user may, its meaning follows in words
+/// that parse_pipeline() does not read.
 std::string canonical_text(const Neighborhood& neighborhood, Presets presets);
 
 /// Returns the canonical stages of a plan; "sort" if it has no passes, "convert" if its chain has no stages.

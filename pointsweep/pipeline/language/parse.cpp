@@ -40,9 +40,10 @@ std::size_t place_of_word(std::string_view option) {
 /// Parses by recursive descent. The grammar is
 ///   pipeline = stage {"|" stage}            stage = name ["(" [option {"," option}] ")"]
 ///   option = [name "="] (value | condition | assignment)  value = bare | quoted | "[" bare {"," bare} "]"
-/// A condition (operators/expressions/expression.h) contains signs that values cannot contain. It ends before a "," or
-/// ")" that is not within parentheses of the condition; so do the assignments of the stage `set`. The parser accepts
-/// every option without a name; read_options() refuses it if the operator needs the name.
+/// A condition (operators/expressions/expression.h) contains a sign, or the word `in` or `between` after an operand,
+/// that no unquoted value contains. It ends before a "," or ")" that is not within parentheses of the condition; so do
+/// the assignments of the stage `set`. The parser accepts every option without a name; read_options() refuses it if the
+/// operator needs the name.
 class Parser {
  public:
   Parser(std::string_view text, std::string_view source) : text_(text), source_(source) {}

@@ -39,7 +39,8 @@ MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std:
       .codec_bytes = codec_bytes};
 }
 
-/// Adds the memory that a radius without a limit k needs. Returns the effort of the search, for a sentence to the user.
+/// Adds the memory that a radius without a limit k needs. Returns the effort of the search and the operators, for a
+/// sentence to the user. With a limit k, adds nothing and returns no effort.
 Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, Estimates& estimates) {
   const Neighborhood& n = plan.neighborhood;
   if (n.k != Neighborhood::kUnlimited) return {};
@@ -218,9 +219,9 @@ RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::u
 /// Number of threads that work if they fit into the budget at all. More threads work only if they leave enough memory
 /// for the window and the recall.
 constexpr unsigned kThreadsInAnyCase = 2;
-/// All threads together may use one part in kThreadsShare of the budget beyond kFixedBytes, if points may be recalled.
-/// With a larger share the window would be so small that many points are recalled in small groups, which costs more
-/// than the threads gain.
+/// More than kThreadsInAnyCase threads together may use one part in kThreadsShare of the budget beyond kFixedBytes, if
+/// points may be recalled. With a larger share the window would be so small that many points are recalled in small
+/// groups, which costs more than the threads gain.
 constexpr std::uint64_t kThreadsShare = 4;
 
 bool is_enough(std::uint64_t budget, const RunMemory& memory) {

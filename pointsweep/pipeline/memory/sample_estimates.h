@@ -41,7 +41,7 @@ std::string about_time_text(double seconds);
 
 /// Estimates, for a cloud of `points` points, the most points that have neighbours on both sides of a plane across the
 /// axis. `k`: number of nearest neighbours of a point. Uses at most 16,384 points of the sample, and the places of the
-/// 8 nearest neighbours of at most 1,024 of them. Takes at most 0.1 s.
+/// 8 nearest neighbours of at most 1,024 of them; a sample of at most 8 points gives `points`. Takes at most 0.1 s.
 std::uint64_t estimate_open_points(const Survey& survey, std::uint64_t points, std::uint64_t k);
 
 /// Returns points of the sample, ascending along the axis, that divide a cloud of `points` points into buckets of about

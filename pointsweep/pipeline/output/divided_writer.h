@@ -36,7 +36,7 @@ class GroupedRecords {
   /// Appends a record to a group. Returns its place, which the caller fills before the next call.
   std::byte* add(std::uint32_t group);
   /// Calls `use` with whole records: groups in ascending order, records of a group in the order in which they came, in
-  /// pieces of at most a megabyte, or one record. Must be called once, after the last record.
+  /// pieces of at most a megabyte, or of one larger record. Must be called once, after the last record.
   void for_each(const std::function<void(std::uint32_t group, std::span<const std::byte> records)>& use);
 
  private:

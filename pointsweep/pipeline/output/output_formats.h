@@ -54,7 +54,7 @@ struct OutputFormat {
 /// whose format cannot be written.
 std::vector<OutputFormat> output_formats(const Outputs& outputs);
 
-/// Returns whether the format of an output, which may be null, needs OutputPlan::bounds before records of `schema` are
+/// Returns whether `format`, the format of an output or null, needs OutputPlan::bounds before records of `schema` are
 /// written.
 bool needs_bounds(const Format* format, const Schema& schema, const FileLayout& layout);
 

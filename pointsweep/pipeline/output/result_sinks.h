@@ -52,7 +52,7 @@ class SweepOrderSink final : public Sink {
     std::uint64_t place;
     std::vector<std::byte> record;
   };
-  /// A slab with unfinished points.
+  /// A slab with points, `left` of them, that are neither finished nor deferred.
   struct Open {
     std::vector<std::byte> records;
     std::vector<std::uint32_t> rank;  ///< place of each point in the canonical order of its slab

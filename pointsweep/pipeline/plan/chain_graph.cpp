@@ -255,15 +255,15 @@ class GraphBuilder {
   }
 
   const Schema input_;             ///< fields of the input, with the row of each point, which stages may read
-  Schema visible_;                 ///< fields that are not dropped
+  Schema visible_;                 ///< fields of the input that are not dropped
   std::set<std::string> dropped_;  ///< names of dropped fields
   ChainGraph graph_;
   std::string is_part_of_;  ///< name of the composite whose parts are being added; empty: none
   Neighborhood neighborhood_;
   Attributes made_;                            ///< attributes made and not dropped, in their last versions
   std::map<std::string, std::size_t> latest_;  ///< current version of each attribute, by name
-  std::map<std::pair<std::string, Type>, std::size_t> of_input_;  ///< version of each field of the input, by name and
-                                                                  ///< type
+  /// Version of each attribute of the input that a node reads, by name and type.
+  std::map<std::pair<std::string, Type>, std::size_t> of_input_;
   std::map<std::tuple<std::string, std::vector<std::size_t>, std::size_t>, std::size_t> reduce_nodes_;
   std::size_t drops_rows_ = 0;           ///< number of stages so far that drop rows
   std::optional<std::size_t> position_;  ///< version of the moved positions; absent: no stage moves points

@@ -147,7 +147,7 @@ class PassPlanner {
   PlannedPass& pass_;
   SweepPlan& plan_;
   std::map<std::size_t, std::uint16_t> column_of_version_;
-  std::vector<std::size_t> made_;  ///< last version of each attribute of the pass, in the order first made
+  std::vector<std::size_t> made_;  ///< last version of each attribute that the pass makes, in the order first made
   std::map<std::uint16_t, std::size_t> made_in_step_;  ///< for each made column, the step that makes it
 };
 
