@@ -17,8 +17,8 @@ std::span<const Format* const> formats();
 /// PLY if it is named "-", and the format of the extension if it is named "-.csv", for example.
 const Format* format_of_output(const std::filesystem::path& path);
 
-/// Returns the format in which points are written to a file of this name. Throws UsageError if points are not written
-/// in such a format, or not to standard output.
+/// Returns the format in which points are written to a file of this name. Throws UsageError if no format with its
+/// extension is written with points, or if `output` is standard output and the format cannot be written there.
 const Format& point_format_of_output(const std::filesystem::path& output);
 
 /// Returns the format of arrays, NPY.

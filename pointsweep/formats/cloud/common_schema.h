@@ -75,8 +75,8 @@ class WideIntegers {
     std::string name, value;
     Type type;  ///< type of the field in the common schema
   };
-  /// Returns the first value of `records`, records of the input `stride` bytes apart, that its type in the common
-  /// schema does not hold exactly. `wanted`: the fields of the common schema that have values; empty for all.
+  /// Returns the first value of `records`, records of the input `stride` bytes apart, that the type of its field in the
+  /// common schema does not hold exactly. `wanted`: the fields of the common schema that have values; empty for all.
   std::optional<Loss> first_loss(std::span<const std::byte> records, std::size_t stride,
                                  const WantedFields& wanted) const;
 

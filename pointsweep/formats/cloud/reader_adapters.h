@@ -38,8 +38,8 @@ bool can_be_nonfinite(const Schema& schema, const std::filesystem::path& path);
 class FiniteRowIndex {
  public:
   static constexpr std::uint64_t kBlock = 4096;
-  /// Reads all rows of `reader`, on all threads if the reader has decoders, and adds its nonfinite rows to `found`,
-  /// numbered from `first_row` on.
+  /// Reads all rows of `reader`, on all threads if the reader has decoders, and adds the nonfinite rows to `found`,
+  /// where row 0 of the reader has the number `first_row`.
   FiniteRowIndex(Reader& reader, std::uint64_t first_row, NonfiniteRows& found,
                  const std::function<void(std::uint64_t rows)>& progress);
   std::uint64_t count() const { return before_.back(); }  ///< number of finite rows

@@ -94,7 +94,8 @@ std::string_view cut_to(std::string_view name, std::size_t most) {
   return name.substr(0, end);
 }
 
-/// Shortens `text` to at most `most` bytes, before its first separator or after a whole word, if there is one there.
+/// Shortens `text` to at most `most` bytes: to the part before its first semicolon or comma, or else to whole words,
+/// the last of them no word such as "of" or "the". A text whose first word is too long is cut inside the word.
 std::string shortened(std::string_view text, std::size_t most) {
   if (text.size() <= most) return std::string(text);
   const std::size_t clause = text.find_first_of(";,");

@@ -65,7 +65,8 @@ std::uint64_t point_count(const LasHeader& header);
 LasHeader new_las_header();
 
 /// Turns an older header into a header of LAS 1.`minor`, in LAS 1.4 with room for 64-bit counts. A newer header stays
-/// unchanged. User bytes after the header stay after it. The global encoding, which LAS 1.0 and 1.1 reserve, becomes 0.
+/// unchanged. User bytes after the header stay after it. The global encoding of a header before LAS 1.2, which reserves
+/// these bits, becomes 0.
 void upgrade_las_header(LasHeader& header, int minor);
 
 /// Turns a header of any version into a header of LAS 1.`minor`. Clears the bits of the global encoding that an older

@@ -59,10 +59,10 @@ enum class LasVlrKind { vlr, evlr };
 LasVlrChain walk_las_vlrs(const InputFile& file, LasVlrKind kind, std::uint64_t start, std::uint64_t limit,
                           std::uint32_t promised, std::vector<std::string>& warnings);
 
-/// Returns the system that the VLRs and the extended VLRs state, each record of a kind from the VLRs if they have one;
-/// none if they state no system. If there are both WKT and GeoTIFF keys, the WKT is valid if the header sets the WKT
-/// bit or the point format is 6 or higher, else the keys; the other statement is kept too. Records over 1 MiB are not
-/// read.
+/// Returns the system that the VLRs and the extended VLRs state; none if they state no system. A record of each kind is
+/// taken from the VLRs, or from the extended VLRs if the VLRs have none of this kind. If there are both WKT and GeoTIFF
+/// keys, the WKT is valid if the header sets the WKT bit or the point format is 6 or higher, else the keys; the other
+/// statement is kept too. Records over 1 MiB are not read.
 std::optional<Crs> read_las_crs(const InputFile& file, const LasHeader& header, const LasVlrChain& vlrs,
                                 const LasVlrChain& evlrs);
 

@@ -121,7 +121,7 @@ std::size_t VertexLineReader::read(std::uint64_t row, std::span<std::byte> recor
 }
 
 /// Lines have x y z, then the normal, the colour and the texture coordinates, if the file has them. In a record, the
-/// colour stands after these.
+/// colour stands after the texture coordinates.
 void VertexLineReader::fill(std::uint64_t row, std::size_t rows, std::byte* records, std::size_t stride) {
   const std::size_t lengths = 3 + (columns_.normal ? 3 : 0);
   for (std::size_t i = 0; i < rows; ++i, records += stride) {
