@@ -103,8 +103,8 @@ class PreBuffer : public StreamOperator {
 };
 
 /// An operator that moves points, such as fairing. No operator before or after it may see a neighbourhood with both
-/// moved and unmoved points: a point also waits until no earlier point refers to it, and is released when all its
-/// neighbours are moved. The operator reads copies of its neighbours, made as they entered its buffer.
+/// moved and unmoved points: a point also waits until no point in an earlier operator refers to it, and is released
+/// when all its neighbours are moved. The operator reads copies of its neighbours, made as they entered its buffer.
 class PrePostBuffer final : public PreBuffer {
  public:
   using PreBuffer::PreBuffer;

@@ -53,7 +53,7 @@ class Fields {
  public:
   /// `record`: working records of the stream. The chain must have been checked: every attribute that an operator reads
   /// is made before or is in the record, and the attributes that the rule (may be null) reads are in the record.
-  /// `kept`: attributes to be written, together a result record.
+  /// `kept`: attributes whose values make up a result record.
   Fields(const Schema& record, const SharedRule& rule, const std::vector<StageOperator>& chain,
          const std::vector<Attribute>& kept);
 

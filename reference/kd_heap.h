@@ -37,7 +37,7 @@ class KdHeap {
 
   void insert(StreamPoint& point);
   void pop_smallest();
-  /// Appends the points whose neighbourhoods end before the plane, in no order, and removes them.
+  /// Removes the points whose neighbourhoods end before the plane, and appends them to `out` in no particular order.
   void take_passed(double plane, std::vector<StreamPoint*>& out);
 
   /// Offers the points near p to `set`, which then equals the result of brute force over all points of the heap.

@@ -176,8 +176,8 @@ std::vector<Rank> ranks_of(std::span<const Neighbor> neighbors);
 /// Finds the neighbours of all points in one sweep. When the plane meets p_j, the left-sided set of p_j is found among
 /// the points in S, p_j is offered to the right-sided sets of the points in S that reach it, and p_j enters S. Then
 /// every point whose neighbourhood ends before the plane leaves S for the sorting buffer B, which restores the order of
-/// the stream: its smallest point is released when nothing in S is smaller. After the end of the stream one point of S
-/// is completed at a time.
+/// the stream: its smallest point is released when nothing in S is smaller. After the end of the stream each
+/// pull_push() completes one point of S.
 ///
 /// The operator is a pre- and post-buffer with S as FIFO1 and B as FIFO2 (Section 5.2.2).
 ///

@@ -18,8 +18,8 @@ Cylinder::Cylinder(Vector center, const Estimate& normal, Real diameter, Real de
 
 Real Cylinder::reach2() const { return (radius_ * radius_ + depth_ * depth_) * (1 + 1e-9L) + 1e-290L; }
 
-/// Adds a point if it is inside. is_open() becomes true if the distance of the point from the surface is less than the
-/// errors of the axis and of rounding.
+/// Adds a point if it is inside. is_open() becomes true if the distance of the point from the surface is not more than
+/// the errors of the axis and of rounding.
 void Cylinder::add(Vector point) {
   const Vector offset = point - center_;
   const Real far = norm(offset), along = dot(offset, axis_), aside = norm(cross(offset, axis_));

@@ -52,7 +52,7 @@ class GroundRaster {
   std::optional<bool> is_ground(double x, double y, double z) const;
 
  private:
-  using Cells = std::vector<double>;  ///< value of each cell, row by row; NaN for a cell without a value
+  using Cells = std::vector<double>;  ///< value of each cell, at index at(column, row); NaN for a cell without one
   std::size_t at(std::size_t column, std::size_t row) const { return row * columns_.count() + column; }
   double surface(std::size_t column, std::size_t row) const { return surface_[at(column, row)]; }
   double slope(std::size_t column, std::size_t row) const;

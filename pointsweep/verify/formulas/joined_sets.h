@@ -55,7 +55,7 @@ class JoinedSets {
 
 /// Numbers and sizes of sets of items (labels_of()). Items without a number have -1.
 struct SetLabels {
-  std::vector<std::int64_t> number;  ///< number of the set of each item, in the order of the first items of the sets
+  std::vector<std::int64_t> number;  ///< number of each item's set; sets are numbered in the order of their first items
   std::vector<std::uint64_t> size;   ///< number of points of the numbered items in each set
 };
 

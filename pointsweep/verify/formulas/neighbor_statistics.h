@@ -14,7 +14,7 @@ namespace pointsweep::formulas {
 /// Returns a statistic of the finite values: mean, median, min, max, range, deviation (of the population), majority
 /// (the first in the list if several are equally frequent) or count. mean, median, range and deviation are evaluated in
 /// float64, mean and deviation from differences to the first value. Without a finite value, count is 0 and all others
-/// are NaN. Open if a value is in doubt.
+/// are NaN. Open if a value is in doubt or may have either sign.
 Estimate statistic_of(std::string_view name, const std::vector<Estimate>& values);
 
 /// Returns the value that a point takes from `values`, the values of the nearest points, nearest first. `vote`:

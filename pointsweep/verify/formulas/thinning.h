@@ -31,8 +31,8 @@ Coordinates voxel_of(const Coordinates& p, double size);
 /// Returns the squared distance of p to the centre of its voxel.
 double distance2_to_center(const Coordinates& p, double size);
 
-/// The mean of finite values, float64: the rounded exact sum of the values divided by their number, clamped to the
-/// range of the values.
+/// The mean of the finite values among those added, float64: the rounded exact sum of the values divided by their
+/// number, clamped to the range of the values.
 class Mean {
  public:
   void add(double value);

@@ -38,7 +38,7 @@ Spectrum equation1(const WeightedNeighbors& neighbors);
 
 /// Returns a unit vector in the plane with unit normal n, from two orthogonal unit vectors: the direction of the
 /// projection of `along` if `along` is not farther from the plane than `across`, else the direction in the plane
-/// perpendicular to `across`. `error` bounds the angular errors of the two vectors and of n.
+/// perpendicular to `across`. `error`: bound of the larger angular error of the two vectors, plus that of n.
 Estimate tangent(Vector n, Vector along, Vector across, Real error);
 
 /// The choice between the two directions of a normal.

@@ -104,7 +104,7 @@ class NearestInStream {
   std::vector<double> reach2_;
   std::size_t most_;
   Space space_;
-  std::vector<std::vector<NearPoint>> found_;  ///< points of each place; once full, a heap with the farthest in front
+  std::vector<std::vector<NearPoint>> found_;  ///< points of each place; a heap, farthest first, unless most_ is kAll
   BallIndex index_;
 };
 

@@ -125,8 +125,8 @@ struct ReadValue {
 /// Returns the value for which `name`, in any spelling, stands. `reads`: attributes that the stage reads.
 ReadValue read_of(const std::string& name, const std::vector<Attribute>& reads);
 
-/// Returns the estimate that has the value as its component ReadValue::component, which must be below 3: the values of
-/// wider attributes cannot be read, since their components have an estimate each.
+/// Returns the estimate that has the value as its component ReadValue::component. Only for attributes of up to three
+/// components: the components of a wider attribute have an estimate each.
 formulas::Estimate estimate_of(const ReadValue& value, const FormulaInput& in);
 
 }  // namespace pointsweep
