@@ -53,7 +53,7 @@ bool is_divided(const ResolvedFiles& files) {
 constexpr double kPageShare = 0.1, kPageSeconds = 0.5;
 
 /// Reads the output of the run. Adds a picture of it and summaries of its computed attributes to `summary`. Does
-/// nothing if the output is divided among files, is no point file, or has no point to show.
+/// nothing if the output is divided among files, is standard output or an array, or has no finite point.
 void add_result(const ResolvedFiles& files, const Cloud& input, ProgressDisplay& display, RunSummary& summary) {
   const Statistics& statistics = summary.statistics;
   if (is_divided(files) || is_array_name(files.output) || is_standard_output(files.output) ||

@@ -50,9 +50,9 @@ class PlanArea {
 };
 
 /// A kd-tree over the sample, the points whose nearest neighbours are sought. Each sampled point has the distance to
-/// its nearest neighbour so far, and each node the square of the largest of these distances in its subtree. A point of
-/// the cloud visits a node only if the box of the node is closer than that. Memory is proportional to the size of the
-/// sample.
+/// its nearest neighbour so far, and each node the largest of these distances in its subtree, all squared. A point of
+/// the cloud visits a node only if the box of the node is closer than the distance of the node. Memory is proportional
+/// to the size of the sample.
 class NearestDistances {
  public:
   struct Sampled {

@@ -120,7 +120,7 @@ class Column {
   std::vector<RankSearch> searches_;   ///< search of each group
   std::vector<std::uint64_t> room_;    ///< counters of the searches (RankSearch::add())
   std::optional<HistogramBins> bins_;
-  std::vector<std::uint64_t> counts_;  ///< points in bin b of group g at g * bins_->size() + b
+  std::vector<std::uint64_t> counts_;  ///< number of values in bin b of group g at g * bins_->size() + b
 };
 
 std::vector<Column> columns_of(const Schema& schema, const PointStatisticsOptions& options) {

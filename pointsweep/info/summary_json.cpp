@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The parts of the JSON object that `info --json` writes.
+/// Two parts of the JSON object that `info --json` writes: the object of a file, and the statistics of points.
 #include <nlohmann/json.hpp>
 
 #include "pointsweep/formats/crs.h"
@@ -88,7 +88,7 @@ Json json_of(const ProvenanceRecord& record) {
           {"more_inputs", record.more_inputs}};
 }
 
-/// Returns the runs that made the file, oldest first.
+/// Returns the runs that made the file, as far as it records them, oldest first.
 Json provenance(const FileInfo& info) {
   Json records = Json::array();
   for (const ProvenanceRecord& record : records_of(info.provenance)) records.push_back(json_of(record));

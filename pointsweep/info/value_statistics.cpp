@@ -197,7 +197,7 @@ void RankSearch::divide(const Interval& interval, std::span<std::uint64_t> room,
     while (before + room[interval.at + part] <= ranks_[r]) before += room[interval.at + part++];
     const std::uint64_t inside = room[interval.at + part], least = interval.least + (part << interval.shift);
     const std::uint64_t further =
-        (std::uint64_t{1} << interval.shift) - 1;  // the part spans keys from `least` to `least` + `further`
+        (std::uint64_t{1} << interval.shift) - 1;  // the part spans keys from `least` to at most `least` + `further`
     const std::uint8_t first = r;
     for (; r < interval.last && ranks_[r] < before + inside; ++r) {
       ranks_[r] -= before;

@@ -51,7 +51,7 @@ class ValueMoments {
   std::uint64_t count_ = 0, nonfinite_ = 0;
   std::uint64_t least_ = std::numeric_limits<std::uint64_t>::max(), most_ = 0;
   Int128 sum_ = 0, squares_ = 0;  ///< sums for whole numbers of up to 32 bits
-  std::unique_ptr<Sums> exact_;   ///< sums for all other values; null for small ones, and if not requested
+  std::unique_ptr<Sums> exact_;   ///< sums for all other values; null if is_small(), or if not requested
 };
 
 /// Bins of equal width over a range of values. A bin includes its lower edge and excludes its upper edge. Edges are

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kAmbient = 0.25;
 constexpr double kBulge = 0.3;  // ProjectedEllipse::bulge of discs without a normal, in radii
-// Limits of estimated radii, divided by the longer side of the picture: with normals, and without.
+// Limits of estimated radii, divided by the longer side of the picture without its legend: with normals, and without.
 constexpr double kLargestOnSurface = 0.015, kLargestOfPoints = 0.006;
 constexpr double kSmallestLimit = 3;       // least value of the limit of estimated radii, in pixels
 constexpr double kSampleSeconds = 100e-9;  // seconds to fill a sample of the canvas under overlapping discs

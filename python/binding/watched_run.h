@@ -27,7 +27,7 @@ void watch(const Callbacks& callbacks, const std::function<void(Observer&)>& wor
 using Report = std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)>;
 
 /// Calls work(observer, report) like watch(), for work that is no run. Such work notices a cancellation when it calls
-/// `report`.
+/// `report` or stop_if_cancelled().
 void watch_reports(const Callbacks& callbacks, const std::function<void(Observer&, const Report&)>& work);
 
 }  // namespace pointsweep
