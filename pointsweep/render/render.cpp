@@ -55,8 +55,8 @@ InputCloud drawn_levels(const InputCloud& cloud, unsigned pixels) {
 }
 
 /// Returns the span from lo to hi, where all points lie. If it is more than kFarOutliers times the span of the middle
-/// 99.8 % of the sampled `values`, which is not 0, returns this middle span, extended by up to 5 % on either side
-/// within lo and hi: a few far points are then outside of the picture.
+/// 99.8 % of the sampled `values`, and the middle span is not 0, returns the middle span, extended by 5 % on either
+/// side but not beyond lo and hi: a few far points are then outside of the picture.
 std::pair<double, double> span_without_outliers(std::vector<double>& values, double lo, double hi) {
   std::sort(values.begin(), values.end());
   const auto cut = static_cast<std::size_t>(0.001 * static_cast<double>(values.size()));

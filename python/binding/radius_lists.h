@@ -36,8 +36,8 @@ class RadiusLists {
   nanobind::tuple arrays(std::uint64_t lists, std::uint64_t points);
 
  private:
-  /// The lists of a batch. List i has the counts[i] elements of `rows` and of `distances` that follow those of list i
-  /// - 1.
+  /// The lists of a batch. List i, of the point points[i], has the next counts[i] elements of `rows` and `distances`
+  /// after those of the lists before it.
   struct Batch {
     std::vector<std::uint64_t> points;  ///< rows of points, or numbers of places
     std::vector<std::uint32_t> counts;
