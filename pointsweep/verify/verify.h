@@ -82,10 +82,11 @@ struct MadeBy {
 /// decide whether a row stays.
 ///
 /// Reads both files once. Reads the input again for each ring of neighbours that the chain reads (normals and splats 1,
-/// curvature 2, fairing with splats from curvature 3), as many times as the sample has parts that fit in memory one by
-/// one; for the order of a sweep or for dropped rows; and for stages that depend on all points. A thin subset of the
-/// cloud first gives an upper bound for the distances of the neighbours of each chosen point. Each point of the input
-/// is then compared only with the chosen points within their bounds. A pass takes about 0.3 µs per point.
+/// curvature 2, fairing with splats from curvature 3), for the order of a sweep, for dropped rows, and for stages that
+/// depend on all points. If the sample does not fit in memory with its neighbours, it is checked in parts, and the
+/// rings are read for each part. A thin subset of the cloud first gives an upper bound for the distances of the
+/// neighbours of each chosen point. Each point of the input is then compared only with the chosen points within their
+/// bounds. A pass takes about 0.3 µs per point.
 Verdict verify(InputCloud& in, RowSource& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options = {});
 
 /// Returns the newest record of a point file; none if the file is an array, has no record or a record without stages.
@@ -97,9 +98,9 @@ std::optional<ProvenanceRecord> recorded_run(const std::filesystem::path& file);
 std::vector<std::filesystem::path> recorded_inputs(const ProvenanceRecord& record, const std::filesystem::path& file);
 
 /// Returns the stages of a plan that can be checked: up to the first new neighbourhood or voxel(keep=centroid), without
-/// stages that depend on all points after points have moved, without stages that read what a stage left out makes, and,
-/// after a select that follows other stages, without stages that read neighbours or depend on all points.
-/// MadeBy::unchecked lists the attributes that the other stages make. Selects at the beginning of the chain are in
+/// stages that depend on all points after points have moved, without stages that read an attribute of an unchecked
+/// stage, and, after a select that follows other stages, without stages that read neighbours or depend on all points.
+/// MadeBy::unchecked lists the attributes that the unchecked stages make. Selects at the beginning of the chain are in
 /// neither list (see rows_kept_first()).
 MadeBy made_by(const ChainPlan& plan);
 
