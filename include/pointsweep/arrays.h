@@ -63,7 +63,7 @@ class POINTSWEEP_EXPORT ArrayResults {
         records_(std::move(records)),
         statistics_(std::move(statistics)) {}
 
-  /// Returns the number of rows: the number of points, or fewer after a select.
+  /// Returns the number of rows: the number of points, or fewer if a stage or RunOptions::nonfinite drops rows.
   std::size_t size() const { return records_.size() / schema_.stride; }
   const Statistics& statistics() const { return statistics_; }
 

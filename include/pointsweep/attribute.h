@@ -79,7 +79,7 @@ struct Field {
 /// outside of all fields are kept, too.
 struct POINTSWEEP_EXPORT Schema {
   std::vector<Field> fields;
-  std::uint32_t stride = 0;  ///< bytes of a record, at least the sum of the bytes of its fields
+  std::uint32_t stride = 0;  ///< bytes of a record, in which all fields lie; fields may share bytes
 
   /// Returns the index of the field for `name`, which is one of the library's own names ("x", "nx", "intensity", ...).
   /// The field may have any spelling that files use ("normal_x", "NormalX"), in upper or lower case.
@@ -92,8 +92,9 @@ struct POINTSWEEP_EXPORT Schema {
 /// Returns the value of element `component` of `field` in the record at `record`, as a double; 64-bit integers may
 /// round.
 POINTSWEEP_EXPORT double value_of(const Field& field, const std::byte* record, std::uint32_t component = 0);
-/// Stores `value` in the record: divides out scale and bias, rounds to nearest for integers, and saturates at the ends
-/// of the type.
+/// Stores `value` in element `component` of `field` in the record: subtracts the bias, divides by the scale, and for
+/// integers rounds to nearest and saturates at the ends of the type or of the bits of the field; NaN becomes 0 in
+/// integers.
 POINTSWEEP_EXPORT void set_value(const Field& field, std::byte* record, double value, std::uint32_t component = 0);
 
 }  // namespace pointsweep

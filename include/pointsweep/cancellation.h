@@ -26,9 +26,9 @@ class POINTSWEEP_EXPORT CancellationScope {
   const CancellationToken* before_;
 };
 
-/// Throws Cancelled if the token of this thread is cancelled. Takes about 1 ns. Every loop of the library whose length
-/// depends on the data calls it, so that a run ends within a fraction of a second. Operators are not interrupted, but
-/// get a bounded number of neighbours at once.
+/// Throws Cancelled if the token of this thread is cancelled. Takes about 1 ns. The loops of the library over much data
+/// call it, so that a run ends within a fraction of a second. Operators are not interrupted, but get a bounded number
+/// of neighbours at once.
 inline void stop_if_cancelled() {
   if (const CancellationToken* token = CancellationScope::current(); token != nullptr && token->cancelled())
     throw Cancelled();

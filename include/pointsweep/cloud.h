@@ -35,7 +35,7 @@ struct CloudOptions {
 };
 
 /// A cloud of points from one or several inputs. Its rows are the rows of the inputs, one input after another. Opening
-/// reads headers; run() reads the points.
+/// reads headers, and of other files as much as their layout and number of points take; run() reads the points.
 ///
 /// All inputs have one schema: their common schema if all are equal bit by bit; otherwise the union of their fields by
 /// name. Coordinates lose nothing: they are float64 unless all are float32, or LAS integers at the finest scale of all

@@ -47,7 +47,8 @@ POINTSWEEP_EXPORT std::optional<Crs> parse_crs(const std::string& text, std::str
 /// Parses well-known text of one or several lines. For a text that is not WKT, the result has no name, kind or codes.
 POINTSWEEP_EXPORT Crs crs_of_wkt(std::string_view wkt);
 
-/// Returns a text like "EPSG:26910 (NAD83 / UTM zone 10N)" with the known parts of it, in at most about 80 characters.
+/// Returns a text like "EPSG:26910 (NAD83 / UTM zone 10N)" with the known parts of it, in at most about 80 characters;
+/// "an unnamed projected system" and the like without name and code.
 POINTSWEEP_EXPORT std::string short_text(const Crs& crs);
 
 /// Returns "m", "ft" or "US survey ft", as stated by the system's WKT or GeoTIFF keys; empty for degrees and unknown

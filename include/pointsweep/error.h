@@ -10,8 +10,9 @@
 namespace pointsweep {
 
 /// An error of the user, a file or the machine. `what()` is one sentence for the user: file, place (`line 7`, `byte
-/// 312`, `stage 'normals'`) and remedy. Thrown during set-up, input and output; no half-written output remains.
-/// Degenerate data cause no Error: they get a documented value, and Statistics counts them.
+/// 312`, `stage 'normals'`) and remedy. Thrown during set-up, input and output, and for values of points that a stage
+/// refuses; no half-written output remains, except bytes on standard output. Degenerate data cause no Error: they get a
+/// documented value, and Statistics counts them.
 class POINTSWEEP_EXPORT Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -44,7 +44,8 @@ struct FileSummary {
   FileInfo info;
   Box bounds;                   ///< bounds of the finite points
   std::uint64_t nonfinite = 0;  ///< number of points with a NaN or infinite coordinate
-  /// For x, y and z, true if the coordinates of finite points never decrease, or never increase, from row to row.
+  /// For x, y and z: `ascending` is true if the coordinates of finite points never decrease from row to row,
+  /// `descending` if they never increase.
   std::array<bool, 3> ascending{true, true, true};
   std::array<bool, 3> descending{true, true, true};
   std::vector<FieldRange> ranges;            ///< range of each field of the schema
@@ -53,7 +54,7 @@ struct FileSummary {
   std::uint64_t returns_beyond = 0;          ///< number of points whose return number exceeds their number of returns
   double area = 0, cell_side = 0;            ///< area of the occupied cells in x and y, and the side of a cell
   std::vector<double> nearest;               ///< distances to the nearest neighbours of a sample, ascending
-  /// True if the file has the field `classification`, and if it has return numbers.
+  /// `has_classes` is true if the file has the field `classification`, `has_returns` if it has return numbers.
   bool has_classes = false, has_returns = false;
   /// True if only the header was read: `bounds` are the stated bounds, and other facts about the points are unknown.
   bool of_header = false;
@@ -75,11 +76,12 @@ struct SummaryOptions {
 /// Reads all points of a file in sequence. Memory: about 10 MB. Throws Error if the file cannot be read to its end.
 POINTSWEEP_EXPORT FileSummary summarize(Reader& reader, const SummaryOptions& options = {});
 
-/// Returns the facts in the header, without reading points. Formats without a header were read when they were opened.
+/// Returns the facts in the header, without reading points. Facts that a format without a header does not state are
+/// those found when the file was opened.
 POINTSWEEP_EXPORT FileSummary summarize_header(const Reader& reader);
 
-/// Returns the range of the field `gps_time`, with the clock of the LAS header; nothing without this field, or if it is
-/// 0 at all points.
+/// Returns the range of the field `gps_time`, with the clock of the LAS header; nothing without this field, or if it
+/// has no finite value but 0.
 POINTSWEEP_EXPORT std::optional<GpsTimes> gps_times(const FileSummary& summary);
 
 /// Returns the date and time of adjusted standard GPS time, such as "2010-06-15T12:34:56", on the GPS scale (ahead of

@@ -116,8 +116,8 @@ class Neighborhoods {
 
   /// Returns whether positions are the positions of the search, so that distance2(i, j) never decreases as j grows.
   bool sorted_by_distance() const { return sorted_by_distance_; }
-  /// Returns max_j |p_j - p_i|² over N_i at the current positions; 0 without neighbours, NaN if a neighbour has
-  /// non-finite coordinates.
+  /// Returns max_j |p_j - p_i|² over N_i at the current positions; 0 without neighbours, NaN or infinite if a neighbour
+  /// has non-finite coordinates.
   double farthest_distance2(std::size_t i) const {
     const std::size_t n = count(i);
     if (n == 0) return 0;
@@ -135,7 +135,7 @@ class Neighborhoods {
   const NeighborRef* neighbors(std::size_t i) const { return refs_ + begin_[i]; }
   Vec3 position_of(NeighborRef ref) const { return position_in(slots_[slot_of(ref)], index_of(ref)); }
   Vec3 neighbor_position(std::size_t i, std::size_t j) const { return position_of(neighbors(i)[j]); }
-  /// Returns p_j - p_i, exact to the last bit of a double subtraction.
+  /// Returns p_j - p_i: one subtraction in double for each coordinate.
   Vec3 offset(std::size_t i, std::size_t j) const { return neighbor_position(i, j) - position(i); }
   double distance2(std::size_t i, std::size_t j) const {
     return pointsweep::distance2(neighbor_position(i, j), position(i));

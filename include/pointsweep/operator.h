@@ -78,10 +78,10 @@ class POINTSWEEP_EXPORT Reduction {
   virtual std::unique_ptr<Accumulator> start() const = 0;
 };
 
-/// The attributes that an operator reads and makes. From these alone the engine derives how long points are buffered
-/// before it (paper Section 5.2): with an empty `reads_neighbors` the operator has a through-buffer, else a pre-buffer.
-/// If neither the input nor an earlier stage has an attribute, the run throws UsageError before it reads a point. To
-/// move points, make position_attribute().
+/// The attributes that an operator reads and makes. From these alone the engine derives how long points wait in a
+/// buffer before the operator gets them (paper Section 5.2): with an empty `reads_neighbors` the operator has a
+/// through-buffer, else a pre-buffer. If neither the input nor an earlier stage has an attribute, the run throws
+/// UsageError before it reads a point. To move points, make position_attribute().
 struct Contract {
   std::vector<Attribute> reads = {};            ///< attributes of the point itself, besides its position
   std::vector<Attribute> reads_neighbors = {};  ///< attributes of the points in N_i, besides their positions
@@ -107,8 +107,8 @@ inline Attribute selection_attribute() {
 /// The columns that an operator fills for a batch, in the order of its contract().makes. The engine makes the columns.
 class POINTSWEEP_EXPORT Columns {
  public:
-  /// `degenerate` receives the marked points. `unwanted`: for each column, true if it is never read; missing entries
-  /// are false. `bytes`: for each column, bytes of a value; empty if types are not checked.
+  /// `degenerate` receives the marked points. `unwanted`: for each column, true if it is neither read nor written to an
+  /// output; missing entries are false. `bytes`: for each column, bytes of a value; empty if types are not checked.
   Columns(std::span<std::byte* const> made, std::size_t size, DegeneratePoints& degenerate,
           std::vector<bool> unwanted = {}, std::vector<std::size_t> bytes = {})
       : made_(made), size_(size), degenerate_(&degenerate), unwanted_(std::move(unwanted)), bytes_(std::move(bytes)) {}
@@ -126,7 +126,8 @@ class POINTSWEEP_EXPORT Columns {
         refuse_value_size(bytes_[m], sizeof(T));
     return {reinterpret_cast<T*>(made_[m]), size_};
   }
-  /// Returns false if column `m` is never read. An operator may then skip the work and leave the column unchanged.
+  /// Returns false if column `m` is neither read nor written to an output. An operator may then skip the work and leave
+  /// the column unchanged.
   bool wanted(std::size_t m) const { return m >= unwanted_.size() || !unwanted_[m]; }
   /// Marks point i as degenerate: its data define no result, and it gets the documented value. Statistics counts marked
   /// points.

@@ -62,7 +62,8 @@ struct FairPercent {
 enum class OutlierDefinition { pointsweep, pdal, pcl, open3d, cloudcompare };
 
 struct SorOptions {
-  double multiplier = 2;  ///< a point is an outlier if its mean distance is this many deviations above the mean; >= 0
+  /// A point is an outlier if its mean distance is more than this many deviations above the mean; >= 0.
+  double multiplier = 2;
   OutlierDefinition definition = OutlierDefinition::pointsweep;
 };
 
@@ -143,7 +144,7 @@ struct VoxelOptions {
 };
 
 struct PoissonOptions {
-  double radius = 0;             ///< kept points are farther apart than this; > 0
+  double radius = 0;             ///< kept points are farther apart than this, unless `radius_from` is given; > 0
   std::string radius_from = {};  ///< name of an attribute that holds the radius of each point, at most `radius`
 };
 
@@ -287,7 +288,7 @@ POINTSWEEP_EXPORT ChainStage sor(const SorOptions& options = {});
 /// Drops the outliers of sor() and makes no attribute.
 POINTSWEEP_EXPORT ChainStage denoise(const SorOptions& options = {});
 /// Makes "outlier": 1 if fewer than `min_neighbors` neighbours lie within `radius`. Neighbourhoods must have a k of at
-/// least `min_neighbors` and no smaller radius.
+/// least `min_neighbors` and a radius of at least `radius`.
 POINTSWEEP_EXPORT ChainStage ror(const RorOptions& options);
 /// Makes "k_distance", "reachability_density" and "lof", the local outlier factor (Breunig et al. 2000).
 POINTSWEEP_EXPORT ChainStage lof();
@@ -315,7 +316,7 @@ POINTSWEEP_EXPORT ChainStage drop(const std::vector<std::string>& attributes);
 POINTSWEEP_EXPORT ChainStage crop(const CropOptions& options);
 /// Keeps, among points with equal coordinates, only the point with the first row.
 POINTSWEEP_EXPORT ChainStage unique();
-/// Keeps the points of the first rows of the inputs, in the order of the files.
+/// Keeps the first `number` rows of the cloud, whose rows are the rows of the inputs, one input after another.
 POINTSWEEP_EXPORT ChainStage head(const HeadOptions& options);
 /// Keeps a share of the points, chosen by a hash of their coordinates.
 POINTSWEEP_EXPORT ChainStage decimate(const DecimateOptions& options);
@@ -329,8 +330,8 @@ POINTSWEEP_EXPORT ChainStage parts(const PartsOptions& options);
 POINTSWEEP_EXPORT ChainStage voxel(const VoxelOptions& options);
 /// Makes "classification": 2 for points of the ground, by a morphological filter of the raster of the lowest points.
 POINTSWEEP_EXPORT ChainStage ground(const GroundOptions& options = {});
-/// Makes "height": z above the mean, weighted by 1 / distance², of the k points of class 2 that are nearest in x and y.
-/// Needs "classification", of the input or of ground().
+/// Makes "height": z of the point minus the mean z, weighted by 1 / distance² in x and y, of the k points of class 2
+/// that are nearest in x and y. Needs "classification", of the input or of ground().
 POINTSWEEP_EXPORT ChainStage height(const HeightOptions& options = {});
 /// Makes "component" and "component_size": connected components of the graph in which points are joined to their
 /// neighbours, or, with a distance, to all points within this distance, which neighbourhoods must then contain.
@@ -359,8 +360,8 @@ POINTSWEEP_EXPORT ChainStage m3c2(const M3c2Options& options);
 /// Makes features of the shape of neighbourhoods from the eigenvalues of their covariance: "linearity", "planarity",
 /// "sphericity" and more (docs/operators.md).
 POINTSWEEP_EXPORT ChainStage features(const FeaturesOptions& options = {});
-/// Keeps points at mutual distances greater than the radius: points are visited in the order of a hash of their
-/// coordinates, and a point is kept unless a kept point lies within its radius.
+/// Keeps points that are far apart: points are visited in the order of a hash of their coordinates, and a point is kept
+/// unless a kept point lies within its radius.
 POINTSWEEP_EXPORT ChainStage poisson(const PoissonOptions& options);
 /// Keeps few points where the surface is flat: applies poisson() with "simplify_radius", which it makes. Needs
 /// curvature().

@@ -81,7 +81,8 @@ class POINTSWEEP_EXPORT RowDecoder {
 
   /// Decodes the records `row`, `row+1`, ... into `records` (as many whole records as fit, fewer only at the end of the
   /// file) and returns their number. A call that continues the previous one decodes only its own rows; a jump also
-  /// decodes the rows of the chunk before `row`. Throws Error if reading fails or the file has changed.
+  /// decodes the rows of the chunk before `row`, unless Reader::decodes_any_range(). Throws Error if reading fails or
+  /// the file has changed.
   virtual std::size_t read(std::uint64_t row, std::span<std::byte> records) = 0;
 };
 

@@ -41,7 +41,7 @@ enum class Engine : std::uint8_t {
 
 /// The treatment of points whose coordinates are NaN or infinite. Such points are never neighbours of other points.
 enum class Nonfinite : std::uint8_t {
-  by_format,  ///< `drop` for LAS, which cannot hold such points, `keep` for all other formats
+  by_format,  ///< `drop` if an output has a format that cannot hold such points (LAS), else `keep`
   keep,       ///< such points are written, with made attributes as documented for undefined results
   drop,       ///< such points are dropped from all outputs; row numbers (Order::input, neighbours) do not count them
   refuse,     ///< the first such point ends the run with an Error
@@ -115,7 +115,8 @@ struct OutputDivision {
   friend bool operator==(const OutputDivision&, const OutputDivision&) = default;
 };
 
-/// Options of a run: first the options that the results depend on, then its resources, then its observer.
+/// Options of a run: first the options that the results depend on, then, from `resources` on, options without effect on
+/// the results.
 struct RunOptions {
   Order order = Order::input;
   std::optional<int> axis = {};  ///< axis of the sweep, 0, 1 or 2; absent for the longest
@@ -176,10 +177,10 @@ struct Outputs {
 };
 
 /// Runs `chain` over `cloud`. Either all outputs are complete, or an exception is thrown and no output is left, except
-/// tiles that were complete before. The bytes of the outputs depend only on the points, the chain and the options
-/// before RunOptions::resources. Throws UsageError for a chain that does not fit the cloud and for an output that is an
-/// input or another output, by whatever path; Error for failures of files, memory and disk, and, before the work, for a
-/// budget that is too small; Cancelled after Observer::cancel().
+/// tiles that were complete before and bytes on standard output. The bytes of the outputs depend only on the points,
+/// the chain and the options before RunOptions::resources. Throws UsageError for a chain that does not fit the cloud
+/// and for an output that is an input or another output, by whatever path; Error for failures of files, memory and
+/// disk, and, before the work, for a budget that is too small; Cancelled after Observer::cancel().
 POINTSWEEP_EXPORT Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs,
                                  const RunOptions& options = {});
 

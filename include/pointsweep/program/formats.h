@@ -25,8 +25,9 @@ POINTSWEEP_EXPORT bool is_array_name(const std::filesystem::path& path);
 /// Throws UsageError for standard output in a format whose bytes are not written in order.
 POINTSWEEP_EXPORT void require_output_name(const std::filesystem::path& output);
 
-/// Returns whether a file in a folder should be read: if its content has a signature, if it has the extension of a
-/// format with a signature, or if it has the extension of any format and is empty. So damaged tiles are not skipped
+/// Returns whether a file in a folder should be read, which must be a regular file: if its content has a signature or
+/// fits a format without one (text), if it has the extension of a format with a signature, if it has the extension of
+/// any format and is empty, or if `format` names a format of .bin files and it is one. So damaged tiles are not skipped
 /// like files of other kinds. A URL is judged only by its extension. `format`: as for open_reader(). Throws Error if
 /// the file cannot be read.
 POINTSWEEP_EXPORT bool is_point_file(const std::filesystem::path& path, std::string_view format = "");

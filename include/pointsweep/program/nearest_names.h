@@ -19,8 +19,9 @@ POINTSWEEP_EXPORT std::size_t edit_distance(std::string_view a, std::string_view
 /// first. `known` must not be empty.
 POINTSWEEP_EXPORT std::string nearest_names(std::string_view word, const std::vector<std::string>& known);
 
-/// Returns the known name of which `word` is probably a misspelling, with at most one different letter in three, or the
-/// beginning, with at least three letters. Case does not count. Returns nullopt if no name is so similar.
+/// Returns the known name of which `word` is probably a misspelling, with at most one different letter in three
+/// (rounded up), or of which `word` is the beginning, with at least three letters. Case does not count. Returns nullopt
+/// if no name is so similar.
 POINTSWEEP_EXPORT std::optional<std::string> probable_name(std::string_view word,
                                                            const std::vector<std::string>& known);
 

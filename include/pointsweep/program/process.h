@@ -17,7 +17,8 @@ POINTSWEEP_EXPORT void keep_little_free_memory() noexcept;
 /// reuse. For worker processes whose allocator returns freed memory to the system immediately, as Dask sets it.
 POINTSWEEP_EXPORT void reuse_free_memory() noexcept;
 
-/// Removes the unfinished files of this process. A signal handler may call it, and must then end the process.
+/// Removes the unfinished files and the empty temporary folders of this process, up to 64 in all. A signal handler may
+/// call it, and must then end the process.
 POINTSWEEP_EXPORT void remove_leftovers() noexcept;
 
 /// The state of all outputs of this process.

@@ -23,9 +23,9 @@ POINTSWEEP_EXPORT Vec3 parse_vector(std::string_view option, std::string_view te
 /// Parses "A,B,..." as names, none of them empty. Throws UsageError beginning with `option`.
 POINTSWEEP_EXPORT std::vector<std::string> parse_names(std::string_view option, const std::string& text);
 
-/// Returns a text like "3.5G": three digits and a power of 1024.
+/// Returns a text like "3.50G": about three digits and a power of 1024.
 POINTSWEEP_EXPORT std::string size_text(std::uint64_t bytes);
-/// Returns a text like "12.3M": three digits and a power of 1000; all digits below 10,000.
+/// Returns a text like "12.3M": three digits and a power of 1000; below 10,000 the rounded number.
 POINTSWEEP_EXPORT std::string count_text(double count);
 /// Returns "1,772": all digits, in groups of three.
 POINTSWEEP_EXPORT std::string grouped_text(std::uint64_t count);
