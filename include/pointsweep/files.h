@@ -32,8 +32,8 @@ POINTSWEEP_EXPORT InputList list_inputs(const std::vector<std::filesystem::path>
                                         const std::string& format = "");
 
 /// Returns the path, below a folder of outputs, of the output for an input with the path `relative`
-/// (ListedFile::relative). `format`: an extension, or "" for the extension of the input. A COPC file becomes LAZ, with
-/// another extension, since programs recognise COPC by its name.
+/// (ListedFile::relative). `format`: an extension, which replaces the whole extension of the input (".copc.laz" of a
+/// COPC file), or "" to keep the extension of the input.
 POINTSWEEP_EXPORT std::filesystem::path tile_name(const std::filesystem::path& relative, const std::string& format);
 
 /// Throws UsageError if a file of `written` is one of `read` or is written twice: the same device and inode (symbolic

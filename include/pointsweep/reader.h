@@ -148,6 +148,7 @@ class POINTSWEEP_EXPORT ArrayReader final : public Reader {
   explicit ArrayReader(std::span<const double> xyz);
 
   /// Adds fields with these names, e.g. {"nx", "ny", "nz"}: N×names.size() values, the values of a point side by side.
+  /// Throws UsageError for another number of values.
   void add(const std::vector<std::string>& names, std::span<const float> values);
   void add(const std::vector<std::string>& names, std::span<const double> values);
 

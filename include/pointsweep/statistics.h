@@ -44,7 +44,8 @@ struct Statistics {
   std::uint64_t files_written = 0;   ///< number of point files written
   std::uint64_t sweeps = 0;          ///< number of passes that find neighbourhoods
   std::uint64_t k = 0;               ///< number of neighbours in the first sweep; 0 for no limit
-  /// Number of points whose neighbourhoods are proven exact in every sweep: all finite points of the last sweep.
+  /// Number of points whose neighbourhoods are proven exact, in the sweep with the fewest such points: at the end of a
+  /// run, all finite points of that sweep.
   std::uint64_t certified = 0;
   std::uint64_t recalled = 0;    ///< number of neighbourhoods proven by reading a part of the stream again
   std::uint64_t degenerate = 0;  ///< number of results of all stages with the value documented for undefined results

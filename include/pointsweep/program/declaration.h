@@ -36,7 +36,7 @@ enum class OptionKind : std::uint8_t {
   numbers,      ///< std::string, finite numbers with commas between, each in its shortest form
   file,         ///< std::string, the name of a file or its content; not empty
   matrix,       ///< std::string, a matrix row by row, or the name of a file that holds it; not empty
-  word,         ///< std::string, letters and digits
+  word,         ///< std::string, letters and digits; not empty
   attributes,   ///< std::string, names of attributes with commas between; none empty
   assignments,  ///< std::string, NAME = NUMBER or NAME = NUMBER where CONDITION, with commas between; not empty
 };

@@ -31,9 +31,9 @@ struct ValueSummary {
   std::vector<double> edges = {}, counts = {};
 };
 
-/// Returns a summary of each field with one number a point; fields with several numbers are left out. Bins are equally
-/// wide over the middle 99 % of the values. Whole numbers get a bin each if there are few of them. `length`: the unit
-/// of the cloud's coordinates, e.g. "m"; if it is empty, "file unit" stands for it.
+/// Returns a summary of each field named in `fields`, in the order of `schema`; fields with several numbers a point are
+/// left out. Bins are equally wide over the middle 99 % of the values. Whole numbers get a bin each if there are few of
+/// them. `length`: the unit of the cloud's coordinates, e.g. "m"; if it is empty, "file unit" stands for it.
 POINTSWEEP_EXPORT std::vector<ValueSummary> value_summaries(const Schema& schema, std::span<const std::byte> records,
                                                             std::span<const std::string> fields,
                                                             std::string_view length);
@@ -57,8 +57,9 @@ struct RunSummary {
 POINTSWEEP_EXPORT std::string report_of(const RunSummary& summary);
 
 /// Returns the colouring (RenderOptions::color) that shows the result of the last operator of a chain with a visible
-/// result: curvature; plain (shading by the normals) after normals and splats; for other operators the first number
-/// that was made (made_numbers). Empty if no operator has a visible result in the output.
+/// result: after `curvature`, one of the curvatures; after `normals` and `splats`, "plain" (shading by the normals);
+/// after other operators, the first of made_numbers() that is one number a point and no part of a vector. Empty if no
+/// operator has a visible result in the output.
 POINTSWEEP_EXPORT std::string pictured_attribute(std::span<const std::string> operators, const Schema& input,
                                                  const Schema& output);
 
