@@ -144,8 +144,9 @@ struct VoxelOptions {
 };
 
 struct PoissonOptions {
-  double radius = 0;             ///< kept points are farther apart than this, unless `radius_from` is given; > 0
-  std::string radius_from = {};  ///< name of an attribute that holds the radius of each point, at most `radius`
+  /// Kept points are farther apart than this; with `radius_from`, the upper limit of the radii; > 0.
+  double radius = 0;
+  std::string radius_from = {};  ///< name of an attribute with the radius of each point (0 for NaN and below 0)
 };
 
 /// Options of simplify(), which are lengths.

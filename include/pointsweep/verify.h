@@ -123,7 +123,8 @@ enum class Checksums : bool { leave_out, show };
 POINTSWEEP_EXPORT std::string to_text(const Verdict& verdict, Checksums checksums = Checksums::leave_out);
 
 /// Returns the last line of to_text(), without a full stop: "OK: inputs unchanged, 10,000 samples correct"; the numbers
-/// of values, rows, attributes and stages that are not checked; or the number of rows that differ.
+/// of values, rows, attributes and stages that are not checked; or the number of rows that differ or of samples that
+/// are wrong.
 POINTSWEEP_EXPORT std::string conclusion(const Verdict& verdict);
 
 }  // namespace pointsweep

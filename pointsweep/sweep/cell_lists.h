@@ -40,8 +40,9 @@ class CellLists {
   CellLists(const SweepPlan& plan, const CellSet& cells, const ListMemory& memory)
       : plan_(plan), cells_(cells), memory_(memory), point_bytes_(window_point_bytes(plan)) {}
 
-  /// Fills worker.reach2, the squared radius of each neighbourhood of the cell. Returns whether worker.neighbors holds
-  /// the lists of all points of the cell. Without a limit k the reach is the radius, so no search is needed.
+  /// Fills worker.reach2: for each point of the cell, an upper bound of the squared radius of its neighbourhood.
+  /// Returns whether worker.neighbors holds the lists of all points of the cell. Without a limit k, the bound is the
+  /// squared radius of the plan's neighbourhood, so no search is needed.
   bool find_reaches(std::uint32_t slot, Worker& worker) const;
   /// Finds the lists of the first of `points`: as many lists as fit in ListMemory::lists_bytes, but at least one. The
   /// lists are not yet shortened by truncate(). Stores them in worker.neighbors and returns their number.

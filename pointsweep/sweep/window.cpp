@@ -103,8 +103,8 @@ void Window::admit(std::unique_ptr<WindowCell> cell) {
   add(std::move(cell));
 }
 
-/// Records the location of a cell whose more than k points all coincide. Points at this location with higher rows than
-/// k + 1 of them can never be neighbours.
+/// Records the location of a cell whose more than k points all coincide. A point at this location whose row is higher
+/// than the rows of k + 1 points of the cell can never be a neighbour.
 void Window::note_saturated_location(const WindowCell& cell) {
   const std::size_t k = plan_.neighborhood.k;
   if (cell.cell.lowest_row == Cell::kSeveralPlaces || cell.cell.size() <= k) return;

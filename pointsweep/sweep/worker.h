@@ -44,7 +44,8 @@ class ChosenPoints {
 struct Worker {
   SearchScratch search;
   CellNeighbors neighbors;
-  std::vector<double> reach2;        ///< for each point of the cell, squared radius of its neighbourhood
+  /// For each point of the cell, upper bound of the squared radius of its neighbourhood.
+  std::vector<double> reach2;
   std::vector<std::uint32_t> named;  ///< slots of the cells that the lists of a cell name
   std::vector<bool> is_named;        ///< for each slot, true if `named` holds it
   std::vector<Box> dropped;
