@@ -27,8 +27,8 @@ struct DroppedCell {
 ///
 /// Among coincident points, only the k + 1 points with the lowest rows belong to any neighbourhood. A location is
 /// saturated once a cell has been read that holds more than k points, all at this location. A point at the location is
-/// superfluous if its row is higher than k + 1 rows of this cell. Slabs and cells of superfluous points need not be
-/// read or kept, so a cloud may have more copies of a point than fit in memory.
+/// superfluous if its row is higher than the rows of k + 1 points of this cell. Slabs and cells of superfluous points
+/// need not be read or kept, so a cloud may have more copies of a point than fit in memory.
 class Frontier {
  public:
   /// Borrows `slabs`, of which the sweep reads the first `swept_slabs`. Slabs may come in any order; queries are fast

@@ -85,8 +85,9 @@ struct Finished {
   std::size_t size;
 };
 
-/// Receives finished points: the deferred-write operator Φ_W (paper Section 4.2.1). Each point, except in slabs
-/// of a halo (Slab::is_halo), is passed once to finished() or recalled(). Many threads call both functions at once.
+/// Receives finished points: the deferred-write operator Φ_W (paper Section 4.2.1). Each point, except in slabs of a
+/// halo (Slab::is_halo), is passed once to finished() or recalled(), unless an earlier process of a resumed run has
+/// passed it. Many threads may call both functions at once.
 class Sink {
  public:
   virtual ~Sink() = default;

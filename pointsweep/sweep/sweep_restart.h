@@ -2,7 +2,7 @@
 /// Saves the progress of a sweep, and restores it in another sweep, perhaps of another process (docs/adr/0008).
 ///
 /// A restart restores the cells of the window, and the boxes of dropped cells in the frontier. If later steps read
-/// values that earlier steps have made for neighbours, the last slabs are read again and their cells take the steps
+/// values that earlier steps have made for neighbours, the last slabs are read again, and their cells take the steps
 /// once more (finished cells without the last step), which makes these values again; results delivered earlier are not
 /// delivered again. No value depends on the number of slabs read again: points that cannot be certified are recalled.
 #pragma once

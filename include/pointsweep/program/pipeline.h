@@ -92,7 +92,7 @@ enum class Presets : bool {
 /// Returns the neighbourhood and the stages as canonical texts, such as "normals(orient=up)": the name, and the options
 /// in the order of their declaration, with numbers in their shortest form. Equal stages have equal texts, whether made
 /// from text, from JSON or by a program. parse_pipeline() reads the texts if all operators are registered. A default
-/// number of neighbours is written out.
+/// neighbourhood is written out, unless the chain has no stages.
 POINTSWEEP_EXPORT std::vector<std::string> canonical_stages(const Chain& chain, Presets presets);
 
 }  // namespace pointsweep

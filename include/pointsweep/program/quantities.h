@@ -13,7 +13,7 @@
 namespace pointsweep {
 
 /// Parses "800000000B", "256M", "1.5GB", "4GiB" as bytes: K M G T are powers of 1024 followed by B, iB or nothing, in
-/// either case. Throws UsageError beginning with `option`, also where the unit is missing.
+/// either case. Throws UsageError beginning with `option`, also for 0 and if the unit is missing.
 POINTSWEEP_EXPORT std::uint64_t parse_size(std::string_view option, std::string_view text);
 /// Parses "8", "20000000", "20M" as a whole number: K M G T are powers of 1000. Throws UsageError beginning with
 /// `option`.
