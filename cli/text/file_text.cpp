@@ -117,7 +117,7 @@ std::string ranges_text(const Schema& schema, const FileSummary& s) {
 }
 
 /// Returns the code of a coordinate reference system, e.g. "EPSG:25832", with the code of its heights if it states one;
-/// the name of a system without a code; "-" for none.
+/// the name of a system without a code, or "without a name"; "-" for no system.
 std::string cell_of(const std::optional<Crs>& crs) {
   if (!crs) return "-";
   if (crs->epsg != 0)

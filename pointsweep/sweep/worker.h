@@ -46,7 +46,7 @@ struct Worker {
   CellNeighbors neighbors;
   /// For each point of the cell, upper bound of the squared radius of its neighbourhood.
   std::vector<double> reach2;
-  std::vector<std::uint32_t> named;  ///< slots of the cells that the lists of a cell name
+  std::vector<std::uint32_t> named;  ///< window slots of the cells that hold neighbours of the current cell
   std::vector<bool> is_named;        ///< for each slot, true if `named` holds it
   std::vector<Box> dropped;
   std::vector<std::byte*> columns;  ///< columns of the current cell, by column number

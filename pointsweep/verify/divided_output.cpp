@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// A check of the division into tiles with buffers, or by the values of an attribute, against its definition in run.h,
-/// without the code of the run.
+/// without the code by which a run divides its output.
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -61,14 +61,14 @@ struct LasLayout {
 
 /// Lays out the file in one of two ways.
 /// 1. The records begin with the records of a LAS input, except that coordinates may be real numbers. All parts of the
-/// input are kept. Made fields become extra bytes, or are stored in the field of the point format that has their name
-/// (classification, ...).
+/// input are kept, except those named at LasLayout. Made fields become extra bytes, or are stored in the field of the
+/// point format that has their name (classification, ...).
 /// 2. The records begin otherwise, the user states another point format, a made field exists only in another point
 /// format (colours), or the output is COPC and the input has extra bytes of several values. choose_las_point_format()
 /// chooses the shortest of the point formats that hold the most fields; formats 0 to 5 are allowed only if an input is
 /// LAS or was made from LAS, or if the user states them or a version before 1.4. The VLRs and EVLRs of a LAS input are
-/// kept. A value that does not fit its LAS field is rounded to the nearest that the field holds, and exact in extra
-/// bytes.
+/// kept, except those named at LasLayout. A value that does not fit its LAS field is rounded to the nearest value that
+/// the field holds; extra bytes hold it exactly.
 LasLayout lay_out_las(const OutputPlan& plan, LasPoints points = LasPoints::plain);
 
 /// Returns whether `schema` begins with the records of `input`. The coordinates may have another scale and offset, or

@@ -80,8 +80,8 @@ class LasWriter final : public LasFamilyWriter {
   std::uint64_t next_row_ = 0;
 };
 
-/// Number of chunks that are compressed at once with the least memory. A chunk takes about 2 MB, and half as much after
-/// compression.
+/// Number of chunks that are compressed at once even if memory is at its minimum. A chunk takes about 5 MB: 2 MB of
+/// records, 1 MB of compressed bytes and 2 MB for the coder (chunk_bytes()).
 constexpr unsigned kFewChunksAtOnce = 4;
 
 /// Returns the memory for compressing a chunk of records of `record_bytes`.

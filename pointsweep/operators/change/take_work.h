@@ -15,7 +15,7 @@
 
 namespace pointsweep {
 
-/// An attribute that `take` gives to the points.
+/// An attribute that `take` reads from the other cloud, and the component of a made attribute that gets its values.
 struct TakenAttribute {
   std::string name;           ///< name in the user's spelling
   Attribute source;           ///< attribute of the other cloud, with the name and the type of its field

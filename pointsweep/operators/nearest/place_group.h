@@ -78,11 +78,12 @@ class NearestBound {
   double most2_, margin_ = 0, reach_ = 0;
 };
 
-/// A group of places whose nearest points are searched together. Places are searched one by one as long as each search
-/// visits few points. Far away from the points, or in the middle of a sphere of points, nearly all points are as far as
-/// the nearest point. In these cases the points that may be among the nearest of any place are collected from the cells
-/// once, the group is halved repeatedly, and each half keeps the points that may be among the nearest of a place in
-/// that half. A group with too many such points is halved before the collection.
+/// A group of places whose nearest points are searched together. Places are searched one by one as long as the
+/// searches visit few points on average. Far away from the points, or in the middle of a sphere of points, nearly all
+/// points are as far as the nearest point. In these cases the points that may be among the nearest of any place are
+/// collected from the cells; then the group is halved repeatedly, and each half keeps the points that may be among the
+/// nearest of a place in that half. If too many points would be collected, the group is halved first, and each half is
+/// answered in the same way.
 class PlaceGroup {
  public:
   using Use = std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>;

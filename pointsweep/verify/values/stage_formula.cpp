@@ -79,7 +79,7 @@ StageFormula density_ratio_formula(const FormulaSetup&) {
       [](const FormulaInput& in) { return Estimates{formulas::local_outlier_factor(in.reads[0], in.of_neighbors[0])}; };
 }
 
-/// Returns the formula of head(): 1 for the first rows, numbered over all inputs; 0 for all others.
+/// Returns the formula of head(): 1 for the first `number` rows, counted over all inputs; 0 for all others.
 StageFormula head_formula(const FormulaSetup& stage) {
   return [number = static_cast<Real>(stage.options.whole("number"))](const FormulaInput& in) {
     return Estimates{exactly(in.reads.front().value.x < number ? 1 : 0)};
