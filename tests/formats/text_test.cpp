@@ -140,22 +140,24 @@ TEST(Text, KeepsAllDigitsOfWholeNumbersOf64Bits) {
                              "x,y,z,time,key,small,real\n"
                              "1,2,3,1700000000123456789,18446744073709551615,9007199254740992,1700000000123456789.5\n"
                              "4,5,6,-9223372036854775808,9007199254740993,-7,nan\n"
-                             "7,8,9,12.0,+1,1e3,18446744073709551616\n"));
+                             "7,8,9,12.0,+1,1e3,18446744073709551616\n"
+                             "7,8,9,1700000000123456787.0,18446744073709551615.0,1,1\n"));
   const Schema& schema = reader->info().schema;
   const std::vector<std::byte> records = all_records(*reader);
   const auto whole_numbers = [&](const char* name) {
     std::vector<std::int64_t> values;
-    for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t row = 0; row < 4; ++row)
       values.push_back(whole_number_of(field(schema, name), records.data() + row * schema.stride));
     return values;
   };
   EXPECT_EQ(field(schema, "time").type, Type::i64);
-  EXPECT_THAT(whole_numbers("time"), ElementsAre(1700000000123456789, std::numeric_limits<std::int64_t>::min(), 12));
+  EXPECT_THAT(whole_numbers("time"),
+              ElementsAre(1700000000123456789, std::numeric_limits<std::int64_t>::min(), 12, 1700000000123456787));
   EXPECT_EQ(field(schema, "key").type, Type::u64);
-  EXPECT_THAT(whole_numbers("key"), ElementsAre(-1, 9007199254740993, 1));
+  EXPECT_THAT(whole_numbers("key"), ElementsAre(-1, 9007199254740993, 1, -1));
   for (const char* name : {"x", "small", "real"}) EXPECT_EQ(field(schema, name).type, Type::f64) << name;
-  EXPECT_THAT(values_of(*reader, "small"), ElementsAre(0x1p53, -7, 1000));
-  EXPECT_THAT(values_of(*reader, "real"), ElementsAre(1700000000123456789.5, testing::IsNan(), 0x1p64));
+  EXPECT_THAT(values_of(*reader, "small"), ElementsAre(0x1p53, -7, 1000, 1));
+  EXPECT_THAT(values_of(*reader, "real"), ElementsAre(1700000000123456789.5, testing::IsNan(), 0x1p64, 1));
 
   const std::vector<std::string> stated{"x", "y", "z", "time", "-", "-", "-"};
   const auto named = open_text_columns(folder.path() / "in.csv", stated);
@@ -184,7 +186,8 @@ TEST(Text, AWholeNumberThatItsColumnDoesNotHoldIsAnErrorWithItsLine) {
               HasSubstr("line 102: 'nan' in column 'key' cannot be held by int64"));
   EXPECT_THAT(sentence_for(large + "1,2,3,0.5\n"),
               HasSubstr("line 102: '0.5' in column 'key' cannot be held by int64"));
-  EXPECT_THAT(sentence_for(large + "1,2,3,9223372036854775808\n"), HasSubstr("cannot be held by int64"));
+  for (const char* cell : {"9223372036854775808", "9223372036854775808.0", "1700000000123456789.5", "1e19"})
+    EXPECT_THAT(sentence_for(large + "1,2,3," + cell + "\n"), HasSubstr("cannot be held by int64")) << cell;
 }
 
 TEST(Text, AnnouncedCountThatIsWrongIsAWarning) {

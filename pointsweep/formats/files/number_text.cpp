@@ -48,11 +48,15 @@ bool parse_integer(std::string_view word, T& value) {
   const char* const end = word.data() + word.size();
   const auto [stop, error] = std::from_chars(word.data(), end, value);
   if (error == std::errc{} && stop == end) return true;
-  double wide = 0;
-  if (!parse_floating(word, wide) || wide != std::nearbyint(wide)) return false;
-  // The upper end is excluded since the largest 64-bit integers round up when they become a double.
-  const double upper = std::ldexp(1.0, std::numeric_limits<T>::digits);
-  if (!(wide >= static_cast<double>(std::numeric_limits<T>::min()) && wide < upper)) return false;
+  double near = 0;
+  if (!parse_floating(word, near)) return false;
+  // A double does not hold every 64-bit integer; parsing a long double takes more time.
+  long double wide = near;
+  if (std::abs(near) >= 0x1p53) parse_floating(word, wide);
+  if (wide != std::nearbyint(wide)) return false;
+  // The upper end is excluded since the largest 64-bit integers round up where a long double is a double.
+  const long double upper = std::ldexp(1.0L, std::numeric_limits<T>::digits);
+  if (!(wide >= static_cast<long double>(std::numeric_limits<T>::min()) && wide < upper)) return false;
   value = static_cast<T>(wide);
   return true;
 }
