@@ -5,7 +5,7 @@ use crate::{Error, Layout};
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
 use std::io::{BufReader, Read, Seek, SeekFrom};
 
-/// A part of a file, bytes [begin, end), as a stream of its own. `read_at` takes an offset in the file.
+/// A stream over the bytes [begin, end) of a file. `read_at` takes the offset of a byte from the start of the file.
 pub struct Source<F> {
     read_at: F,
     at: u64,

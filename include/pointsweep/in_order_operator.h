@@ -76,7 +76,7 @@ struct InOrderSetup {
   MakeScratch make_scratch = {};
   GiveOtherPoints other_points = {};  ///< passes on the points of InOrderOperator::other_cloud()
   /// Returns whether points of the cloud within a distance of a position may be missing. Empty: no points are missing.
-  /// Only operators whose Reach is an estimate (Reach::is_guess) need this function.
+  /// Is needed only by operators whose Reach is an estimate (Reach::is_guess).
   std::function<bool(Vec3 position, double distance)> may_lack = {};
 };
 
@@ -118,7 +118,7 @@ struct Reach {
 };
 
 struct InOrderContract {
-  std::vector<Attribute> reads = {};  ///< attributes of the point itself, besides its position
+  std::vector<Attribute> reads = {};  ///< attributes of the point itself, in addition to its position
   std::vector<Attribute> makes = {};
   bool drops_rows = false;  ///< true if the operator may drop rows, which later stages and the output then lack
   Places places = Places::positions;
@@ -156,8 +156,8 @@ class POINTSWEEP_EXPORT InOrderOperator : public Operator {
   virtual ChoosePoints for_other_parts() const { return {}; }
   /// Returns the path, folder or pattern of the other cloud that the operator reads; empty if it reads none.
   virtual std::string other_cloud() const { return {}; }
-  /// Returns the attributes of the points of the other cloud that the operator reads, besides their positions. After
-  /// bound_to_other(), these attributes have the names and types of the fields of the other cloud.
+  /// Returns the attributes of the points of the other cloud that the operator reads, in addition to their positions.
+  /// After bound_to_other(), these attributes have the names and types of the fields of the other cloud.
   virtual std::vector<Attribute> other_reads() const { return {}; }
   /// Returns the points of the other cloud on which the finding about a point depends, like reach().
   virtual std::optional<Reach> other_reach() const { return std::nullopt; }

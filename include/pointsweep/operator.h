@@ -83,8 +83,8 @@ class POINTSWEEP_EXPORT Reduction {
 /// through-buffer, else a pre-buffer. If neither the input nor an earlier stage has an attribute, the run throws
 /// UsageError before it reads a point. To move points, make position_attribute().
 struct Contract {
-  std::vector<Attribute> reads = {};            ///< attributes of the point itself, besides its position
-  std::vector<Attribute> reads_neighbors = {};  ///< attributes of the points in N_i, besides their positions
+  std::vector<Attribute> reads = {};            ///< attributes of the point itself, in addition to its position
+  std::vector<Attribute> reads_neighbors = {};  ///< attributes of the points in N_i, in addition to their positions
   std::vector<Attribute> makes = {};
   std::vector<std::shared_ptr<const Reduction>> values = {};  ///< values of the whole cloud, passed to with_values()
   /// The default number of neighbours, for chains that state none (Neighborhood::kOfOperators). 0 if the operator reads
@@ -211,7 +211,7 @@ class POINTSWEEP_EXPORT PointOperator : public LocalOperator {
 /// contain them. Points with non-finite coordinates are tested, too.
 class POINTSWEEP_EXPORT SelectOperator : public Operator {
  public:
-  /// Returns the attributes of the point that the condition reads, besides its position.
+  /// Returns the attributes of the point that the condition reads, in addition to its position.
   virtual std::vector<Attribute> reads() const { return {}; }
   /// Sets kept[i] to 1 for every point i of the batch whose row is kept; all values are 0 before the call. `points`
   /// have no neighbours. Called from many threads at once.

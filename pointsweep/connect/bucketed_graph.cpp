@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-/// As soon as at least this many edges have been read, and at the end of each bucket, the forest takes them. The number
+/// Least number of edges that the forest takes at once, but for the last edges of a bucket. The number
 /// is large because each SpanningForest::join() goes through all candidate edges.
 constexpr std::size_t kEdgesAtOnce = 1 << 16;
 

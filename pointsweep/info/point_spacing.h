@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How densely points lie: the area that they cover, seen from above, and exact distances from some points to their
+/// Density of points: the area that they cover, seen from above, and exact distances from some points to their
 /// nearest neighbours.
 #pragma once
 

@@ -187,7 +187,7 @@ struct Stream::State {
   }
 
   /// Joins adjacent pieces that have at most `aim` points together, since the cells of a thin slab would be flat. A
-  /// piece whose points all have one position stays a slab of its own, which need not wait for the slabs around it.
+  /// piece whose points all have one position stays a separate slab, which need not wait for the slabs around it.
   static std::vector<PiecedSlab> join(const std::vector<StreamPiece>& pieces, std::uint64_t aim) {
     std::vector<PiecedSlab> slabs;
     bool after_copies = false;

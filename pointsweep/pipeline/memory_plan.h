@@ -27,9 +27,9 @@ struct MemoryDemand {
   /// Estimate for a radius without a limit k: the points that the radius keeps in the window, which lie in a slice
   /// across the axis as thick as the radius times (steps + 1).
   std::uint64_t slice_points = 0;
-  /// Estimate for several steps with a limit k: points that stay in the window, besides the slabs near the sweep plane,
-  /// because their cells wait for one another (window_neighbors()); 0 if a window of all points fits into half of the
-  /// budget.
+  /// Estimate for several steps with a limit k: points that stay in the window, in addition to the slabs near the sweep
+  /// plane, because their cells wait for one another (window_neighbors()); 0 if a window of all points fits into half
+  /// of the budget.
   std::uint64_t waiting_for_steps = 0;
   /// Estimated number of points that wait in memory if slabs are made on demand; absent if that is impossible.
   std::optional<std::uint64_t> waiting_points = {};

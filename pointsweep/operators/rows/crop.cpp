@@ -41,9 +41,9 @@ const OptionTable<CropOptions>& crop_options() {
   return table;
 }
 
-/// Keeps a point if it lies in the box and in a polygon, as far as they are given; with CropOptions::outside, keeps all
-/// other points instead. Edges and faces count as inside in both cases. A point is in no box or polygon if a coordinate
-/// needed for the test is not finite.
+/// Keeps a point if it lies in the box and in a polygon; a box or polygons that are not given exclude no point; with
+/// CropOptions::outside, keeps all other points instead. Edges and faces count as inside in both cases. A point is in
+/// no box or polygon if a coordinate needed for the test is not finite.
 class Crop final : public SelectOperator {
  public:
   /// Reads the file with polygons, if there is one. Throws Error if the polygons cannot be read, are invalid or do not

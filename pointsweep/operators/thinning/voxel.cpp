@@ -209,11 +209,11 @@ class MeansOfVoxels final : public InOrderWork {
 };
 
 /// Returns the attributes to average. Of the made attributes: normals, colours, and scalars of floating-point types. Of
-/// the fields of `input` that are not made anew: the three components of the normal, floating-point numbers, and the
-/// whole numbers of kMeasured; but, except for the normal, no arrays, packed or scaled fields.
+/// the fields of `input` that no earlier stage replaces: the three components of the normal, floating-point numbers,
+/// and the whole numbers of kMeasured; but, except for the normal, no arrays, packed or scaled fields.
 std::vector<AveragedAttribute> averaged_attributes(const Schema& input, std::span<const Attribute> made) {
   std::vector<AveragedAttribute> averaged;
-  std::set<std::size_t> taken;  // fields of the input that are already averaged, or made anew by an earlier stage
+  std::set<std::size_t> taken;  // fields of the input that are averaged already, or that an earlier stage replaces
   const auto number = [](const Field& field) { return scalar(field.name, Type::f64, "", ""); };
   for (const Attribute& a : made) {
     for (const std::string& field : a.fields)

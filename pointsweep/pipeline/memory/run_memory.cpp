@@ -288,7 +288,7 @@ std::uint64_t open_input_bytes(const InputCloud& cloud) {
     std::uint64_t held = info.schema.fields.size() * sizeof(Field);
     for (const std::string& line : info.provenance) held += sizeof line + line.size();
     if (info.crs) held += 2 * info.crs->wkt.size();
-    // An input that is decoded once gets a second reader, of its decoded records, with a FileInfo of its own.
+    // An input that is decoded once gets a second reader, which reads the decoded records and has another FileInfo.
     bytes += kInput + held + (info.decode_once ? kFacts + held : 0);
   }
   return bytes;

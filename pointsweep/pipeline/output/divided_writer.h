@@ -28,7 +28,7 @@ namespace pointsweep {
 class GroupedRecords {
  public:
   /// `expected`: about the number of records; the first record reserves memory for so many, or for a full run.
-  /// `memory_bytes`: limit for the records in memory, besides a piece of about a megabyte; for_each() uses at least 4
+  /// `memory_bytes`: limit for the records in memory, without a piece of about a megabyte; for_each() uses at least 4
   /// kB, or one record, for each run.
   GroupedRecords(std::size_t record_bytes, std::uint64_t expected, std::uint64_t memory_bytes,
                  MakeScratch make_scratch);
