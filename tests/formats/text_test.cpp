@@ -186,7 +186,7 @@ TEST(Text, AWholeNumberThatItsColumnDoesNotHoldIsAnErrorWithItsLine) {
               HasSubstr("line 102: 'nan' in column 'key' cannot be held by int64"));
   EXPECT_THAT(sentence_for(large + "1,2,3,0.5\n"),
               HasSubstr("line 102: '0.5' in column 'key' cannot be held by int64"));
-  for (const char* cell : {"9223372036854775808", "9223372036854775808.0", "1700000000123456789.5", "1e19"})
+  for (const char* cell : {"9223372036854775808", "9223372036854775808.0", "1700000000123456789.5", "1e19", "inf"})
     EXPECT_THAT(sentence_for(large + "1,2,3," + cell + "\n"), HasSubstr("cannot be held by int64")) << cell;
 }
 

@@ -49,7 +49,8 @@ bool parse_integer(std::string_view word, T& value) {
   const auto [stop, error] = std::from_chars(word.data(), end, value);
   if (error == std::errc{} && stop == end) return true;
   double near = 0;
-  if (!parse_floating(word, near)) return false;
+  // GCC 12 reads beyond the word when it parses "inf" or "nan" as a long double.
+  if (!parse_floating(word, near) || !std::isfinite(near)) return false;
   // A double does not hold every 64-bit integer; parsing a long double takes more time.
   long double wide = near;
   if (std::abs(near) >= 0x1p53) parse_floating(word, wide);
