@@ -18,7 +18,7 @@ namespace {
 
 /// Number of the checkpoint format. Every change of the content of checkpoints, or of how points are cut into slabs and
 /// cells, must increase it.
-constexpr int kCheckpointFormat = 9;
+constexpr int kCheckpointFormat = 10;
 
 std::string inputs_text(const InputCloud& cloud) {
   std::string text;
@@ -110,6 +110,8 @@ void Checkpoint::encode(Encoder& out) const {
   out.begin(kCheckpointEncoding);
   out.put<std::uint64_t>(memory_bytes);
   survey.encode(out);
+  out.put_bool(ordered.has_value());
+  if (ordered) ordered->encode(out);
   out.put<std::uint64_t>(sweep);
   out.put<std::uint64_t>(slab_points);
   for (const auto& part : {&stream, &results, &progress}) out.put_bytes(*part);
@@ -129,6 +131,7 @@ Checkpoint Checkpoint::decode(Decoder& in) {
   Checkpoint c;
   c.memory_bytes = in.get<std::uint64_t>();
   c.survey = Survey::decode(in);
+  if (in.get_bool()) c.ordered = Survey::decode(in);
   c.sweep = in.get<std::uint64_t>();
   c.slab_points = in.get<std::uint64_t>();
   for (auto* part : {&c.stream, &c.results, &c.progress}) *part = in.get_bytes();
@@ -180,11 +183,13 @@ void Checkpoints::surveyed(const Survey& survey, std::uint64_t memory_bytes) {
   last_.memory_bytes = memory_bytes;
 }
 
-void Checkpoints::in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places) {
+void Checkpoints::in_order(const Stream& stream, std::uint64_t slab_points, const Survey& survey,
+                           const std::vector<Vec3>& bucket_places) {
   if (last_.is_in_order()) return;
   const auto begun = Clock::now();
   last_.slab_points = slab_points;
   last_.stream = encoded(stream);
+  last_.ordered = survey;
   last_.bucket_places = bucket_places;
   save(begun);
 }

@@ -43,6 +43,7 @@ struct Checkpoint {
   std::uint64_t slab_points = 0;    ///< intended number of points of a slab, the unit in which `stream` is read
   std::vector<std::byte> stream;    ///< encoded Stream; empty before the points are in order and after the sweep
   std::vector<Vec3> bucket_places;  ///< Ordered::bucket_places (run/phases.h); empty after the sweep
+  std::optional<Survey> ordered;    ///< Ordered::survey of the last points that were put in order
   std::vector<std::byte> results;   ///< encoded RowStore; empty before the first slab
   std::vector<std::byte> progress;  ///< encoded SweepProgress; empty before the first slab
   std::uint64_t mask = 0;           ///< number of the pass after the last pass that dropped rows; 0: all rows remain
@@ -80,8 +81,9 @@ class Checkpoints {
   /// Sets the survey and the memory budget of the run, which later checkpoints contain.
   void surveyed(const Survey& survey, std::uint64_t memory_bytes);
   /// Saves a checkpoint, unless last() already has the points in order. Must be called when the points are in order.
-  /// `bucket_places`: Ordered::bucket_places.
-  void in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places);
+  /// `survey`, `bucket_places`: those of Ordered.
+  void in_order(const Stream& stream, std::uint64_t slab_points, const Survey& survey,
+                const std::vector<Vec3>& bucket_places);
   /// Saves a checkpoint. Must be called when the sweep of the pass is complete.
   void swept(RowStore& results, const Statistics& counts);
   /// Saves a checkpoint. Must be called when the rows for the next pass are complete. `selects`: the pass has left out

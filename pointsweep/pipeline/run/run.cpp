@@ -119,7 +119,9 @@ class Phases {
     files_.open(context, work_, points_.survey, rows_);
     give_notice(work_.memory, context.report.observer);
     rows_ = restored_rows(context, rows_.cloud);
-    if (checkpoints_ != nullptr) checkpoints_->surveyed(points_.survey, work_.budget);
+    if (checkpoints_ == nullptr) return;
+    checkpoints_->surveyed(points_.survey, work_.budget);
+    if (const auto& ordered = checkpoints_->last().ordered) points_ = {.survey = *ordered, .boxes = {}};
   }
 
   void order(std::size_t p, const Context& context) {
@@ -127,7 +129,7 @@ class Phases {
     points_ = {.survey = ordered_->survey, .boxes = {}};
     const bool of_rows = p == context.plan.passes.size() && p > 0;  // the reorder after the passes saves no checkpoint
     if (checkpoints_ != nullptr && !of_rows)
-      checkpoints_->in_order(ordered_->stream, ordered_->memory.slab_points, ordered_->bucket_places);
+      checkpoints_->in_order(ordered_->stream, ordered_->memory.slab_points, ordered_->survey, ordered_->bucket_places);
   }
 
   void sweep(std::size_t p, const Context& context) {
