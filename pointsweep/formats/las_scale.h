@@ -62,8 +62,8 @@ Vec3 las_scale_from(Vec3 offset, const Box& bounds);
 
 class Reader;
 
-/// The meaning of the coordinates and times of a LAS file. PLY outputs state all of it except overlap_is_class_12, so
-/// that LAS made from them has the same grid and times.
+/// The meaning of the coordinates, times and classes of a LAS file. PLY outputs state it, so that LAS made from them has
+/// the same grid, times and overlap flags.
 struct LasOrigin {
   LasQuantization grid;        ///< scale and offset of the integer coordinates
   bool has_time = false;       ///< the points have a GPS time

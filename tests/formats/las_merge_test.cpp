@@ -393,10 +393,26 @@ TEST(LasThroughPly, ValuesDecideThePointFormatAndWhatNoFieldHoldsIsStoredExactly
   EXPECT_EQ(copied("float scan_angle", {"400"}).extra_names(), std::vector<std::string>{"scan_angle_float32"});
 }
 
+TEST(LasThroughPly, Class12OfOldFormatsStillMeansOverlap) {
+  const TemporaryFolder folder;
+  const auto old = folder.write("old.las", las_bytes({.format = 1}, 1));
+  const auto modern = folder.write("modern.las", las_bytes({.format = 6}, 2));
+  copy_points({old}, folder / "old.ply");
+  copy_points({folder / "old.ply", modern}, folder / "out.las");
+  const Decoded out = decoded(folder / "out.las");
+  ASSERT_EQ(out.format(), 6);
+  expect_points({old, modern}, out, 1e-9);
+  std::size_t overlaps = 0;
+  for (std::size_t row = 0; row < decoded(old).count(); ++row) overlaps += out.point(row)["overlap"] == 1;
+  EXPECT_GT(overlaps, 0u);
+}
+
 TEST(LasThroughPly, CommentsThatMakeNoSenseStayComments) {
   const TemporaryFolder folder;
-  for (const char* line : {"comment las scale 0 1 1 offset 0 0 0", "comment las scale 1 1 1 offset 0 0 nan",
-                           "comment las scale 1 1 1 offset 0 0 0 gps_time never", "comment las files are fine"}) {
+  for (const char* line :
+       {"comment las scale 0 1 1 offset 0 0 0", "comment las scale 1 1 1 offset 0 0 nan",
+        "comment las scale 1 1 1 offset 0 0 0 gps_time never",
+        "comment las scale 1 1 1 offset 0 0 0 class_12_is_overlap x", "comment las files are fine"}) {
     const auto in = folder.write("in.ply", std::string("ply\nformat ascii 1.0\n") + line +
                                                "\nelement vertex 1\nproperty float x\nproperty float y\n"
                                                "property float z\nend_header\n1 2 3\n");

@@ -129,6 +129,8 @@ GeoTiffKeys take_geotiff(std::vector<std::string>& lines) {
   return {*directory, *doubles, *ascii};
 }
 
+constexpr std::string_view kOverlapWord = "class_12_is_overlap";
+
 /// Parses three numbers from words[first] on.
 bool parse_vector(const std::vector<std::string_view>& words, std::size_t first, Vec3& v) {
   return parse_number(words[first], v.x) && parse_number(words[first + 1], v.y) && parse_number(words[first + 2], v.z);
@@ -137,17 +139,22 @@ bool parse_vector(const std::vector<std::string_view>& words, std::size_t first,
 std::optional<LasOrigin> las_origin_in(std::string_view line) {
   const std::vector<std::string_view> words = words_in(line.substr(kLas.size()));
   LasOrigin origin;
-  if (words.size() != 8 && words.size() != 10) return std::nullopt;
+  if (words.size() < 8) return std::nullopt;
   if (words[0] != "scale" || words[4] != "offset") return std::nullopt;
   if (!parse_vector(words, 1, origin.grid.scale) || !parse_vector(words, 5, origin.grid.offset)) return std::nullopt;
   for (int axis = 0; axis < 3; ++axis) {
     if (!(origin.grid.scale[axis] > 0) || !std::isfinite(origin.grid.scale[axis])) return std::nullopt;
     if (!std::isfinite(origin.grid.offset[axis])) return std::nullopt;
   }
-  if (words.size() == 8) return origin;
-  origin.has_time = true;
-  origin.standard_time = words[9] == "standard";
-  return words[8] == "gps_time" && (origin.standard_time || words[9] == "week") ? std::optional(origin) : std::nullopt;
+  std::size_t next = 8;
+  if (next + 1 < words.size() && words[next] == "gps_time") {
+    origin.has_time = true;
+    origin.standard_time = words[next + 1] == "standard";
+    if (!origin.standard_time && words[next + 1] != "week") return std::nullopt;
+    next += 2;
+  }
+  if (next < words.size() && words[next] == kOverlapWord) origin.overlap_is_class_12 = true, ++next;
+  return next == words.size() ? std::optional(origin) : std::nullopt;
 }
 
 }  // namespace
@@ -157,6 +164,7 @@ std::string las_comment(const LasOrigin& origin) {
   std::string line =
       fmt::format("{}scale {} {} {} offset {} {} {}", kLas, scale.x, scale.y, scale.z, offset.x, offset.y, offset.z);
   if (origin.has_time) line += origin.standard_time ? " gps_time standard" : " gps_time week";
+  if (origin.overlap_is_class_12) line += fmt::format(" {}", kOverlapWord);
   return line;
 }
 
