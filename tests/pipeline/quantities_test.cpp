@@ -67,6 +67,7 @@ TEST(Quantities, VectorsAreThreeFiniteNumbers) {
 
 TEST(Quantities, AreShownWithThreeDigits) {
   EXPECT_EQ(size_text(800), "800");
+  EXPECT_EQ(size_text(1012), "1012");
   EXPECT_EQ(size_text(256u << 20), "256M");
   EXPECT_EQ(size_text(std::uint64_t{7} << 29), "3.50G");
   EXPECT_EQ(count_text(9999), "9999");

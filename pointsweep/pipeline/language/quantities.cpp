@@ -53,7 +53,7 @@ std::string_view without_byte(std::string_view text) {
 std::string three_digits(double value, double base) {
   std::size_t power = 0;
   for (; value >= 0.9995 * base && power < kPrefixes.size(); ++power) value /= base;
-  return power == 0 ? fmt::format("{:.3g}", value)
+  return power == 0 ? fmt::format("{:.0f}", value)
                     : fmt::format("{:.{}f}{}", value,
                                   value < 9.995   ? 2
                                   : value < 99.95 ? 1
