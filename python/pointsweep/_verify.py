@@ -57,7 +57,7 @@ def verify(
     keep: Sequence[str] | str | None = None,
     sample: int = 10000,
     seed: int = 0,
-    rows: Iterable[int] = (),
+    rows: Iterable[int] | int = (),
     order: Literal["input", "sweep"] | None = None,
     axis: Literal["x", "y", "z", 0, 1, 2] | None = None,
     prefix: str = "",
@@ -92,7 +92,7 @@ def verify(
     k, radius, keep, order, axis, prefix, decimals, positions, tile, tile_origin, tile_buffer, split, nonfinite : options of the run,
         if the output has no record.
     sample, seed : number of points to recompute, and the seed of their random choice.
-    rows : rows of further points to recompute.
+    rows : row or rows of further points to recompute.
     memory : memory for the neighbours of the sample; a larger sample takes several passes.
     recursive, format, columns, depth, resolution, ignore_crs : as for `open`.
     progress : as for `run`.
@@ -115,7 +115,7 @@ def verify(
         "keep": kept_names(keep),
         "sample": count("sample", sample),
         "seed": count("seed", seed),
-        "rows": [count("rows", row) for row in rows],
+        "rows": [count("rows", row) for row in listed(rows)],
         "order": word("order", order),
         "recursive": flag("recursive", recursive),
         "format": way_of_reading(format, columns, depth, resolution),

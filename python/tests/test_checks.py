@@ -97,7 +97,7 @@ def test_a_wrong_value_is_found(surface, tmp_path):
     verdict = ps.verify(tmp_path / "out.ply", tmp_path / "in.ply", pipeline=ps.knn(8) | ps.normals(), sample=0, rows=[17, 18])
     assert not verdict and not verdict.same and verdict.wrong_samples == 1
     assert verdict.differences[0].startswith("row 17: ")
-    assert ps.verify(tmp_path / "out.ply", tmp_path / "in.ply", pipeline="knn(k=8) | normals", sample=0, rows=[18, 19])
+    assert ps.verify(tmp_path / "out.ply", tmp_path / "in.ply", pipeline="knn(k=8) | normals", sample=0, rows=18)
 
 
 def test_neighbours_are_those_of_the_run(surface, tmp_path):
