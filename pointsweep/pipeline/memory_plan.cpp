@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <limits>
 #include <string>
 
 #include "pointsweep/fail.h"
@@ -183,16 +181,6 @@ std::uint64_t result_index_bytes(std::uint64_t buffer, const MemoryDemand& deman
   return demand.points * (demand.result_record_bytes + kRowBytes) / block * kBlockBytes;
 }
 
-std::uint64_t limit_of_control_group() {
-  std::uint64_t limit = std::numeric_limits<std::uint64_t>::max();
-  for (const char* path : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
-    std::ifstream file(path);
-    std::uint64_t bytes;
-    if (file >> bytes) limit = std::min(limit, bytes);
-  }
-  return limit;
-}
-
 /// Divides a budget among the structures of a pass.
 class Division {
  public:
@@ -339,19 +327,5 @@ MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const Memory
   if (out.expected_bytes > budget) out.needed_bytes = least_budget(plan, demand);
   return out;
 }
-
-std::uint64_t available_memory() {
-  std::ifstream file("/proc/meminfo");
-  std::uint64_t available = std::uint64_t{1} << 30;
-  for (std::string word; file >> word;) {
-    if (word == "MemAvailable:" && file >> available) {
-      available *= 1024;
-      break;
-    }
-  }
-  return std::min(available, limit_of_control_group());
-}
-
-std::uint64_t memory_budget(std::uint64_t asked_for) { return asked_for != 0 ? asked_for : available_memory() / 2; }
 
 }  // namespace pointsweep

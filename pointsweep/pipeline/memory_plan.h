@@ -78,10 +78,4 @@ MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const Memory
 /// Returns the number of MB, of 2^20 bytes each, for a sentence.
 inline double megabytes(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
-/// Returns the memory available to this process, in bytes: MemAvailable, or less inside a control group.
-std::uint64_t available_memory();
-
-/// Returns `asked_for`; if it is 0, half of available_memory().
-std::uint64_t memory_budget(std::uint64_t asked_for);
-
 }  // namespace pointsweep

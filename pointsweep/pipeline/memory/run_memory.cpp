@@ -9,6 +9,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/slabs_on_demand.h"
+#include "pointsweep/pipeline/available_memory.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/output/divided_writer.h"
 #include "pointsweep/pipeline/output/output_formats.h"

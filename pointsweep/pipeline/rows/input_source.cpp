@@ -16,6 +16,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/pipeline/available_memory.h"
 #include "pointsweep/pipeline/memory_plan.h"
 #include "pointsweep/threads.h"
 

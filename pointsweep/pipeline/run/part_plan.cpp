@@ -9,6 +9,7 @@
 #include "pointsweep/part/tile_catalogue.h"
 #include "pointsweep/part/tile_forest.h"
 #include "pointsweep/part/tile_graph.h"
+#include "pointsweep/pipeline/available_memory.h"
 #include "pointsweep/pipeline/memory_plan.h"
 #include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"

@@ -10,6 +10,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/available_memory.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/output/output_set.h"
 #include "pointsweep/pipeline/rows/input_source.h"

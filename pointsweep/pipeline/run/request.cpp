@@ -11,6 +11,7 @@
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/checkpoint/checkpoints.h"
 #include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/available_memory.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/memory_plan.h"
 #include "pointsweep/pipeline/output/output_formats.h"
