@@ -22,7 +22,7 @@ void bind_crs(nanobind::module_& module);
 /// (checks.cpp).
 void bind_checks(nanobind::module_& module);
 /// Adds the functions that plan a run of many processes, perform a task of it, join the results of tasks, and remove
-/// what tasks left; the tuple left_by_tasks and the function with_absolute_files (parts.cpp).
+/// what tasks left; the tuple left_by_tasks, and the functions with_absolute_files and available_memory (parts.cpp).
 void bind_parts(nanobind::module_& module);
 /// Adds the class PointBatch (point_batch.cpp).
 void bind_point_batch(nanobind::module_& module);

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/pipeline/available_memory.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/run/part_run.h"
 #include "pointsweep/program/process.h"
@@ -207,6 +208,7 @@ void bind_parts(nb::module_& module) {
   module.attr("left_by_tasks") = nb::tuple(left);
   module.def("remove_abandoned", &remove_abandoned, "outputs"_a);
   module.def("forget_part", &forget_task, "scratch"_a, "left"_a);
+  module.def("available_memory", [] { return available_memory(); });
 }
 
 }  // namespace pointsweep

@@ -181,6 +181,4 @@ def _worker() -> tuple[str, int]:
 
 
 def _share_of_memory(processes: int) -> int:
-    with open("/proc/meminfo", encoding="ascii") as file:
-        available = next(int(line.split()[1]) for line in file if line.startswith("MemAvailable"))
-    return max(1, available * 1024 // 2 // max(1, processes))
+    return max(1, _core.available_memory() // 2 // max(1, processes))
