@@ -17,7 +17,7 @@ namespace {
 
 std::string without_separators(std::string name) {
   for (char& c : name) {
-    const bool separates = std::string_view(" ,;\"'").find(c) != std::string_view::npos;
+    const bool separates = std::string_view(" ,;|\"'").find(c) != std::string_view::npos;
     if (separates || static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '_';
   }
   return name.empty() ? "unnamed" : name;

@@ -12,8 +12,8 @@
 namespace pointsweep {
 
 /// Returns one name for each component of each field. The components of a field with several become NAME_0, NAME_1,
-/// ...; spaces, commas, semicolons, quotes and control characters become '_'; an empty name becomes "unnamed"; a
-/// repeated name gets _2, _3, ... added.
+/// ...; spaces, commas, semicolons, vertical bars, quotes and control characters become '_'; an empty name becomes
+/// "unnamed"; a repeated name gets _2, _3, ... added.
 std::vector<std::string> column_names(const Schema& schema);
 
 /// Returns whether a field has this name, in any case.
