@@ -163,6 +163,25 @@ TEST(Expression, BlanksMakeNoDifference) {
   EXPECT_EQ(Expression(Expression(" ! ( a <2 ) ").canonical()).canonical(), "!(a < 2)");
 }
 
+TEST(Expression, NamesBetweenBackquotesHaveAnyCharacter) {
+  const Expression expression("not `a b`< 2 || `x && (y` in(`not`, a) && `a b` != `where`");
+  std::vector<std::string> names;
+  for (const Expression::Name& name : expression.names()) names.push_back(name.text);
+  EXPECT_EQ(names, (std::vector<std::string>{"a b", "x && (y", "not", "a", "where"}));
+  EXPECT_EQ(expression.names()[1].column, 17u);
+  const std::string canonical = "!`a b` < 2 || `x && (y` in (`not`, a) && `a b` != `where`";
+  EXPECT_EQ(expression.canonical(), canonical);
+  EXPECT_EQ(Expression(canonical).canonical(), canonical);
+  EXPECT_EQ(Expression("`nz`>0").canonical(), "nz > 0");
+  EXPECT_EQ(kept("`a` == 2 && not `b` == 9", {1, 2, 3}), (Bits{0, 1, 0}));
+  for (const char* name : {"nz", "`nz`", "`Pulse width`", "`not`"})
+    EXPECT_TRUE(Expression(name, "", Expression::Form::number).is_name()) << name;
+  EXPECT_FALSE(Expression("(`Pulse width`)", "", Expression::Form::number).is_name());
+  EXPECT_EQ(refused("1 < `a b"), "stage: '1 < `a b', column 5: the ` that begins here has no second one.");
+  EXPECT_EQ(refused("1 < ``"), "stage: '1 < ``', column 5: a name is expected between two `.");
+  EXPECT_EQ(with_hidden_names("a `b, c` = `d` `e"), "a `````` = ``` `e");
+}
+
 TEST(Expression, TellsTheColumnOfAMistake) {
   EXPECT_EQ(refused("a < 2 && z = 3"), "stage: 'a < 2 && z = 3', column 12: '=' compares nothing; write ==.");
   EXPECT_EQ(refused("a <"), "stage: 'a <', column 4: an attribute or a number is expected, but the expression ends.");

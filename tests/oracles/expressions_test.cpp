@@ -94,7 +94,7 @@ class ExpressionMaker {
       case 0:
         return literal();
       case 1:
-        return {"a", {.real = names_.a}, kOperand};
+        return {one_of({"a", "`a`"}), {.real = names_.a}, kOperand};
       case 2:
         return {"b", {.real = names_.b}, kOperand};
       case 3:

@@ -43,8 +43,9 @@ TEST(Parse, SpaceMeansNothingBetweenWords) {
 }
 
 TEST(Parse, ConditionsEndWhereTheirParenthesesClose) {
-  for (const char* condition : {"a in (2, 9)", "not a in(2, 9)", "abs(a) in (min(1, 2), 3)",
-                                "a not in (2, 9) and b > 1", "a between 2 and 5", "a between min(1, 2) and 5"}) {
+  for (const char* condition :
+       {"a in (2, 9)", "not a in(2, 9)", "abs(a) in (min(1, 2), 3)", "a not in (2, 9) and b > 1", "a between 2 and 5",
+        "a between min(1, 2) and 5", "`a, (b` > 1 && `c|d` < `e)`", "`a b`"}) {
     const StageTexts stages = parse_pipeline("where(" + std::string(condition) + ", x=1) | b");
     ASSERT_EQ(stages.size(), 2u) << condition;
     EXPECT_EQ(stages[0].options, (std::vector<OptionText>{{"", condition, ""}, {"x", "1", ""}}));

@@ -337,6 +337,8 @@ TEST(Set, IsTheSameInTextJsonAndItsCanonicalForm) {
             (Options{{"assign", "b = min(c, 2) where c in (2, 3), d = 1"}}));
   EXPECT_EQ(options_of(operators::set("b=1 where c<2,d = - e", {})),
             (Options{{"assign", "b = 1 where c < 2, d = -e"}}));
+  EXPECT_EQ(options_of(operators::set("`a, (b`=`c = d` where`e`<2, `f`=`where`", {})),
+            (Options{{"assign", "`a, (b` = `c = d` where e < 2, f = `where`"}}));
 }
 
 std::vector<std::string> names_in(const Schema& schema) {

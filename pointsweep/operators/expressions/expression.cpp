@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/expressions/expression.h"
 #include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
@@ -55,7 +54,7 @@ class ExpressionText {
     skip_blanks();
     const std::string_view rest = text_.substr(at_);
     const bool begins_test = !rest.empty() && !rest.starts_with("!=") &&
-                             (continues_name(rest[0]) || rest[0] == '(' || rest[0] == '-' || rest[0] == '!');
+                             (continues_name(rest[0]) || std::string_view("(-!`").find(rest[0]) != rest.npos);
     if (!begins_test) at_ = first;
     return begins_test;
   }
@@ -219,6 +218,7 @@ class ExpressionParser : private ExpressionText {
       canonical_ += ')';
       return inner;
     }
+    if (text_[at_] == '`') return quoted_name();
     if (begins_name(text_[at_])) return name();
     if (is_digit(text_[at_]) || text_[at_] == '.') return literal();
     unexpected("an attribute or a number");
@@ -239,10 +239,22 @@ class ExpressionParser : private ExpressionText {
     const std::string_view word = text_.substr(first, at_ - first);
     canonical_ += word;
     if (take("(")) return call(word, first);
-    const auto known = std::ranges::find(names_, word, &Expression::Name::text);
+    return attribute(word, first);
+  }
+  Node quoted_name() {
+    const std::size_t first = at_, last = text_.find('`', at_ + 1);
+    if (last == text_.npos) fail_at(first, "the ` that begins here has no second one");
+    const std::string_view name = text_.substr(first + 1, last - first - 1);
+    if (name.empty()) fail_at(first, "a name is expected between two `");
+    canonical_ += spelled_name(name);
+    at_ = last + 1;
+    return attribute(name, first);
+  }
+  Node attribute(std::string_view name, std::size_t first) {
+    const auto known = std::ranges::find(names_, name, &Expression::Name::text);
     Node node{.operation = Operation::name};
     node.name = static_cast<std::size_t>(known - names_.begin());
-    if (known == names_.end()) names_.push_back({std::string(word), first + 1});
+    if (known == names_.end()) names_.push_back({std::string(name), first + 1});
     return node;
   }
 
@@ -304,6 +316,30 @@ class ExpressionParser : private ExpressionText {
 
 bool continues_name(char c) { return begins_name(c) || is_digit(c) || c == '.'; }
 
+std::string spelled_name(std::string_view name) {
+  const bool is_plain = !name.empty() && begins_name(name[0]) && std::ranges::all_of(name, continues_name);
+  const bool is_word = in_lower_case(name) == "not" || in_lower_case(name) == "where";
+  return is_plain && !is_word ? std::string(name) : fmt::format("`{}`", name);
+}
+
+std::string_view name_in(std::string_view text) {
+  text = without_outer_blanks(text);
+  if (text.size() > 2 && text[0] == '`' && text.find('`', 1) == text.size() - 1) return text.substr(1, text.size() - 2);
+  return std::ranges::all_of(text, continues_name) ? text : std::string_view();
+}
+
+std::string with_hidden_names(std::string_view text) {
+  std::string hidden(text);
+  for (std::size_t first = text.find('`'); first != text.npos;) {
+    const std::size_t last = text.find('`', first + 1);
+    if (last == text.npos) break;
+    std::fill(hidden.begin() + static_cast<std::ptrdiff_t>(first), hidden.begin() + static_cast<std::ptrdiff_t>(last),
+              '`');
+    first = text.find('`', last + 1);
+  }
+  return hidden;
+}
+
 std::string_view without_outer_blanks(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r\n";
   const std::size_t first = text.find_first_not_of(kBlanks);
@@ -318,6 +354,10 @@ Expression::Expression(std::string_view text, std::string_view where, Form form)
   ExpressionParser parser(text_, where, names_);
   root_ = std::make_shared<const Node>(parser.whole_text(form));
   canonical_ = std::move(parser).canonical();
+}
+
+bool Expression::is_name() const {
+  return names_.size() == 1 && (canonical_ == names_[0].text || canonical_ == spelled_name(names_[0].text));
 }
 
 }  // namespace pointsweep

@@ -25,8 +25,15 @@ struct ExpressionValues {
 /// A type that holds every 64-bit integer, signed or unsigned.
 __extension__ typedef __int128 WholeNumber;
 
-/// Returns whether a name may continue with the character: a letter, a digit, _ or `.`.
+/// Returns whether a name without backquotes may continue with the character: a letter, a digit, _ or `.`.
 bool continues_name(char c);
+/// Returns the name of an attribute as expressions spell it: between backquotes if it is no plain name.
+std::string spelled_name(std::string_view name);
+/// Returns the name that stands alone in `text`, without backquotes around it; an empty text if there is none.
+std::string_view name_in(std::string_view text);
+/// Returns the text with a backquote in place of each character between backquotes, where no sign or word has a
+/// meaning.
+std::string with_hidden_names(std::string_view text);
 /// Returns the text without blanks and ends of lines at both ends.
 std::string_view without_outer_blanks(std::string_view text);
 
@@ -37,7 +44,7 @@ std::string_view without_outer_blanks(std::string_view text);
 ///          sum ["not"] "in" "(" sum {"," sum} ")" | sum ["not"] "between" sum "and" sum
 ///   sum = product {("+" | "-") product}        product = factor {("*" | "/") factor}
 ///   factor = "-" factor | number | name | function "(" sum {"," sum} ")" | "(" sum ")"
-///   name = letter or _ {letter, digit, _ or .}
+///   name = letter or _ {letter, digit, _ or .} | "`" any text without "`" "`"
 /// A word in the place of an operand is a name. The word `not` is a name only before a sign that cannot follow the
 /// operator `not`, as in not == 1. Numbers are float64 and follow IEEE 754: a comparison with NaN is false, except that
 /// != is true, and x / 0 is infinite or NaN. A comparison of a 64-bit integer attribute with a second attribute of this
@@ -57,7 +64,7 @@ class Expression {
   /// Returns the names of the attributes that the expression reads, each once, in the order of their first occurrence.
   const std::vector<Name>& names() const { return names_; }
   /// Returns whether the expression is a single name and nothing else.
-  bool is_name() const { return names_.size() == 1 && canonical_ == names_[0].text; }
+  bool is_name() const;
   const std::string& text() const { return text_; }  ///< the text as given, without blanks at both ends
   /// Returns a text that is equal for expressions that differ only in blanks, in the case of the words of the grammar,
   /// and in "and", "or", "not" for "&&", "||", "!": "a < 2 && !(b == 3)".

@@ -32,7 +32,8 @@ bool is_64_bits(Type type) { return type == Type::i64 || type == Type::u64; }
 /// Returns the names that an expression may use, each once.
 std::string names_of(const Schema& input, std::span<const Attribute> made) {
   std::vector<std::string> names;
-  const auto add = [&](const std::string& name) {
+  const auto add = [&](const std::string& attribute) {
+    const std::string name = spelled_name(attribute);
     if (std::ranges::find(names, name) == names.end()) names.push_back(name);
   };
   for (const Field& field : input.fields)
@@ -60,6 +61,13 @@ MeantValue value_in_expression(const std::string& word, const Schema& input, std
   const MeantValue own = meant_value(word, input, made);
   if (own.made != nullptr || own.field != nullptr || word != kRowWord) return own;
   return meant_value(kInputRow, input, made);
+}
+
+Expression expression_of_attribute(const std::string& name, const std::string& place, const Schema& input,
+                                   std::span<const Attribute> made) {
+  const MeantValue meant = meant_value(name, input, made);
+  const bool is_known = meant.made != nullptr || meant.field != nullptr;
+  return Expression(is_known ? spelled_name(name) : name, place, Expression::Form::number);
 }
 
 std::optional<std::size_t> axis_of(std::string_view name) {

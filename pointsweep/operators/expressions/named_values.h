@@ -35,6 +35,11 @@ MeantValue meant_value(const std::string& word, const Schema& input, std::span<c
 /// number of the row in the inputs (input_row.h).
 MeantValue value_in_expression(const std::string& word, const Schema& input, std::span<const Attribute> made);
 
+/// Returns the expression of the attribute that an option names. `name` needs no backquotes if a value has this name.
+/// Throws UsageError for a text that is neither such a name nor an expression.
+Expression expression_of_attribute(const std::string& name, const std::string& place, const Schema& input,
+                                   std::span<const Attribute> made);
+
 /// Returns the number of the axis whose coordinate `name` means in any spelling: 0, 1 or 2; nullopt if it means none.
 std::optional<std::size_t> axis_of(std::string_view name);
 

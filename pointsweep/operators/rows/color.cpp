@@ -116,6 +116,7 @@ class Color final : public LocalOperator {
 
   ColorOptions options_;
   std::string place_;
+  std::optional<Expression> by_;  ///< the name of the attribute; absent before bound()
   NamedValues names_;
   bool of_input_ = false;  ///< true if the values come from the input, not from an earlier stage
   Type type_ = Type::u8;
@@ -144,6 +145,7 @@ OperatorDeclaration color_declaration() {
 ChainStage operators::color(const ColorOptions& options) { return std::make_shared<Color>(options); }
 
 Color::Color(ColorOptions options, std::string place) : options_(std::move(options)), place_(std::move(place)) {
+  if (const std::string_view name = name_in(options_.by); !name.empty()) options_.by = std::string(name);
   color_options().declare(*this, options_);
   const std::vector<double>& range = options_.range;
   if (range.empty()) return;
@@ -164,9 +166,10 @@ Contract Color::contract() const {
 
 std::shared_ptr<const LocalOperator> Color::bound(const Schema& input, std::span<const Attribute> made) const {
   auto bound = std::make_shared<Color>(*this);
-  const Expression by(options_.by, place_, Expression::Form::number);
+  const Expression by = expression_of_attribute(options_.by, place_, input, made);
   if (!by.is_name())
     fail_usage("{}: '{}' is not the name of an attribute; make one before by set(NAME = ...).", place_, options_.by);
+  bound->by_ = by;
   bound->names_ = NamedValues(by, place_, input, made);
   const int attribute = bound->source().attribute;
   const std::string read =
@@ -184,16 +187,15 @@ std::shared_ptr<const LocalOperator> Color::with_values(std::span<const std::vec
   const bool any = values[0][0] <= values[0][1];  // false for a cloud without finite values
   options.range = any ? values[0] : std::vector<double>{0, 0};
   auto known = std::make_shared<Color>(std::move(options), place_);
-  known->names_ = names_, known->of_input_ = of_input_, known->type_ = type_;
+  known->by_ = by_, known->names_ = names_, known->of_input_ = of_input_, known->type_ = type_;
   return known;
 }
 
 template <class T>
 void Color::fill(std::span<const ExpressionValues> values, Columns& out) const {
   const auto to = out.column<std::array<T, 3>>(0);
-  const Expression value(options_.by, place_, Expression::Form::number);
   std::vector<double> numbers(out.size());
-  value.evaluate_number(values, numbers);
+  by_.value().evaluate_number(values, numbers);
   constexpr unsigned kWiden = sizeof(T) == 1 ? 1 : 257;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const double v = numbers[i];

@@ -52,7 +52,8 @@ std::vector<std::string> names_of_types() {
   return names;
 }
 
-/// Returns the index of the word `where` in the text; npos if the text does not contain it.
+/// Returns the index of the word `where` in the text, a result of with_hidden_names(); npos if the text does not
+/// contain it.
 std::size_t place_of_where(std::string_view text) {
   for (std::size_t at = text.find("where"); at != text.npos; at = text.find("where", at + 1)) {
     const bool begins = at > 0 && !continues_name(text[at - 1]);
@@ -61,7 +62,8 @@ std::size_t place_of_where(std::string_view text) {
   return text.npos;
 }
 
-/// Returns the index of the comma that ends the assignment that begins at `begin`, or the size of the text.
+/// Returns the index of the comma that ends the assignment that begins at `begin`, or the size of the text, a result of
+/// with_hidden_names().
 std::size_t end_of_assignment(std::string_view text, std::size_t begin) {
   int open = 0;
   for (std::size_t i = begin; i < text.size(); ++i) {
@@ -72,14 +74,14 @@ std::size_t end_of_assignment(std::string_view text, std::size_t begin) {
 }
 
 Assignment assignment_of(std::string_view text, const std::string& place) {
-  const std::size_t equals = text.find('=');
-  const std::string_view name = without_outer_blanks(text.substr(0, equals));
-  const bool is_word = !name.empty() && std::ranges::all_of(name, continues_name);
-  if (equals == text.npos || !is_word || text.substr(equals + 1).starts_with('='))
+  const std::string hidden = with_hidden_names(text);
+  const std::size_t equals = hidden.find('=');
+  const std::string_view name = name_in(text.substr(0, equals));
+  if (equals == text.npos || name.empty() || text.substr(equals + 1).starts_with('='))
     fail_usage("{}: '{}' assigns nothing; write NAME = NUMBER, as in classification = 7 where outlier == 1.", place,
                without_outer_blanks(text));
   const std::string_view rest = text.substr(equals + 1);
-  const std::size_t where = place_of_where(rest);
+  const std::size_t where = place_of_where(std::string_view(hidden).substr(equals + 1));
   Assignment assignment{std::string(name), Expression(rest.substr(0, where), place, Expression::Form::number), {}};
   if (where != rest.npos) assignment.condition.emplace(rest.substr(where + 5), place);
   return assignment;
@@ -209,14 +211,15 @@ ChainStage operators::set(std::string_view assignments, std::optional<Type> type
 }
 
 std::string Assignment::canonical() const {
-  const std::string text = fmt::format("{} = {}", name, value.canonical());
+  const std::string text = fmt::format("{} = {}", spelled_name(name), value.canonical());
   return condition ? fmt::format("{} where {}", text, condition->canonical()) : text;
 }
 
 std::vector<Assignment> assignments_of(std::string_view text, const std::string& place) {
+  const std::string hidden = with_hidden_names(text);
   std::vector<Assignment> assignments;
   for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = end_of_assignment(text, begin);
+    const std::size_t end = end_of_assignment(hidden, begin);
     assignments.push_back(assignment_of(text.substr(begin, end - begin), place));
     begin = end + 1;
   }
@@ -275,7 +278,7 @@ RowSentence SetAttribute::refusal(const std::string& value) const {
   std::string remedy = "exclude such points by a condition, or assign to a new attribute";
   if (is_retyped_)
     remedy = fmt::format("state a type that holds it with 'as', or limit it, as in {} = min(max({}, LEAST), MOST)",
-                         assignment_.name, assignment_.value.canonical());
+                         spelled_name(assignment_.name), assignment_.value.canonical());
   return {fmt::format("{}: row ", place_), fmt::format(": {} would be {}, which is not {}; {}.", assignment_.name,
                                                        value, moves ? "a finite coordinate" : range_.text(), remedy)};
 }

@@ -211,7 +211,7 @@ std::shared_ptr<const LocalOperator> NeighborhoodStatistics::bound(const Schema&
   std::size_t reads = bound->condition_names_.reads().size();
   for (Source& source : bound->sources_) {
     if (source.attribute.empty()) continue;
-    const Expression value(source.attribute, place_, Expression::Form::number);
+    const Expression value = expression_of_attribute(source.attribute, place_, input, made);
     if (!value.is_name()) fail_usage("{}: '{}' is not the name of an attribute.", place_, source.attribute);
     source.names = NamedValues(value, place_, input, made);
     source.first_read = reads;

@@ -41,9 +41,9 @@ std::size_t place_of_word(std::string_view option) {
 ///   pipeline = stage {"|" stage}            stage = name ["(" [option {"," option}] ")"]
 ///   option = [name "="] (value | condition | assignment)  value = bare | quoted | "[" bare {"," bare} "]"
 /// A condition (operators/expressions/expression.h) contains a sign, or the word `in` or `between` after an operand,
-/// that no unquoted value contains. It ends before a "," or ")" that is not within parentheses of the condition; so do
-/// the assignments of the stage `set`. The parser accepts every option without a name; read_options() refuses it if the
-/// operator needs the name.
+/// that no unquoted value contains. It ends before a "," or ")" that is neither within parentheses of the condition nor
+/// within a name between backquotes; so do the assignments of the stage `set`. The parser accepts every option without
+/// a name; read_options() refuses it if the operator needs the name.
 class Parser {
  public:
   Parser(std::string_view text, std::string_view source) : text_(text), source_(source) {}
@@ -106,6 +106,7 @@ class Parser {
   std::size_t end_of_option() const {
     int open = 0;
     for (std::size_t i = at_; i < text_.size(); ++i) {
+      if (const std::size_t last = text_[i] == '`' ? text_.find('`', i + 1) : text_.npos; last != text_.npos) i = last;
       if (text_[i] == '(') ++open;
       if (text_[i] == ')' && open-- == 0) return i;
       if (text_[i] == ',' && open == 0) return i;
@@ -117,7 +118,7 @@ class Parser {
   bool is_condition() const {
     if (at_ >= text_.size() || text_[at_] == '"' || text_[at_] == '\'' || text_[at_] == '[') return false;
     const std::string_view option = text_.substr(at_, end_of_option() - at_);
-    const std::size_t sign = std::min({option.find("=="), option.find_first_of("<>!&"), place_of_word(option)});
+    const std::size_t sign = std::min({option.find("=="), option.find_first_of("<>!&`"), place_of_word(option)});
     return sign != option.npos && sign < option.find_first_of("\"'[");
   }
 

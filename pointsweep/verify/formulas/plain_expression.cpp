@@ -163,7 +163,7 @@ bool continues_word(char c) { return std::isalnum(static_cast<unsigned char>(c))
 /// Returns whether the text begins with an operand, which may follow `not`.
 bool begins_operand(std::string_view text) {
   if (text.empty() || text.starts_with("!=")) return false;
-  return continues_word(text[0]) || text[0] == '(' || text[0] == '-' || text[0] == '!';
+  return continues_word(text[0]) || text[0] == '(' || text[0] == '-' || text[0] == '!' || text[0] == '`';
 }
 
 /// Returns whether the last waiting operator after the last open parenthesis, arithmetic and functions left out, is a
@@ -208,6 +208,11 @@ void PlainExpression::read(std::string_view text) {
   const auto put_to_parenthesis = [&] {
     while (waiting.back().sign != "(") put_last();
   };
+  const auto put_name = [&](const std::string& name) {
+    const auto known = std::ranges::find(names_, name);
+    postfix_.push_back({.sign = {}, .is_name = true, .name = static_cast<std::size_t>(known - names_.begin())});
+    if (known == names_.end()) names_.push_back(name);
+  };
   bool operand_before = false;
   for (std::size_t at = 0; at < text.size();) {
     const char c = text[at];
@@ -243,11 +248,13 @@ void PlainExpression::read(std::string_view text) {
       } else if (text.substr(next).starts_with("(")) {
         waiting.push_back({word, 0});
       } else {
-        const auto known = std::ranges::find(names_, word);
-        postfix_.push_back({.sign = {}, .is_name = true, .name = static_cast<std::size_t>(known - names_.begin())});
-        if (known == names_.end()) names_.push_back(word);
+        put_name(word);
         operand_before = true;
       }
+    } else if (c == '`') {
+      const std::size_t end = text.find('`', at + 1);
+      put_name(std::string(text.substr(at + 1, end - at - 1)));
+      at = end + 1, operand_before = true;
     } else if (c == '(') {
       waiting.push_back({"(", 1}), ++at, operand_before = false;
     } else if (c == ',') {

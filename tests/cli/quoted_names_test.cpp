@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+/// Attributes whose names have blanks and signs, in every option that takes an expression or a name.
+#include <fmt/format.h>
+
+#include <string>
+
+#include "tests/cli/tool.h"
+
+namespace pointsweep {
+namespace {
+
+/// A cloud of 100 points with the attributes "Pulse width" (0, 1, 2, ...), "a|b" (0, 2, 4, ...) and "c, (d" (7).
+class QuotedNames : public Tool {
+ protected:
+  QuotedNames() {
+    std::string text = "x,y,z,Pulse width,\"a|b\",\"c, (d\"\n";
+    for (int i = 0; i < 100; ++i) text += fmt::format("{},{},{},{},{},7\n", i % 10, i / 10, i % 7, i, 2 * i);
+    write("in.csv", text);
+  }
+  /// Runs a chain into out.csv, expects that verify finds no difference, and returns the rows of out.csv.
+  std::string rows_of(const std::string& pipeline) {
+    const Result result = tool("run in.csv out.csv --force --pipeline '" + pipeline + "'");
+    EXPECT_EQ(result.status, 0) << pipeline << "\n" << result.err;
+    const Result verified = tool("verify in.csv out.csv --pipeline '" + pipeline + "'");
+    EXPECT_EQ(verified.status, 0) << pipeline << "\n" << verified.out << verified.err;
+    std::string rows, text = contents(folder_ / "out.csv");
+    for (std::size_t at = 0, end; at < text.size(); at = end + 1) {
+      end = text.find('\n', at);
+      if (text[at] != '#') rows += text.substr(at, end + 1 - at);
+    }
+    return rows;
+  }
+};
+
+TEST_F(QuotedNames, InConditionsSelectPoints) {
+  EXPECT_EQ(rows_of("where(`Pulse width` < 2 || `a|b` == 8 && `c, (d` == 7)"),
+            "x,y,z,Pulse_width,a_b,c__(d\n0,0,0,0,0,7\n1,0,1,1,2,7\n4,0,4,4,8,7\n");
+  EXPECT_EQ(rows_of("where(`a|b` in (4, 7) and not `Pulse width` > 50)"), "x,y,z,Pulse_width,a_b,c__(d\n2,0,2,2,4,7\n");
+}
+
+TEST_F(QuotedNames, AreAssigned) {
+  EXPECT_EQ(rows_of("set(`Pulse width` = `c, (d` * 2 where `a|b` <= 2, `new = 1` = `a|b` + 1) | where(`new = 1` < 6)"),
+            "x,y,z,Pulse_width,a_b,c__(d,new_=_1\n0,0,0,14,0,7,1\n1,0,1,14,2,7,3\n2,0,2,2,4,7,5\n");
+}
+
+TEST_F(QuotedNames, AreColoredAndCounted) {
+  const std::string colored = rows_of("color(by=\"Pulse width\")");
+  EXPECT_EQ(rows_of("color(`Pulse width`)"), colored);
+  rows_of("knn(k=4) | statistics(\"Pulse width_median\", where=`a|b` > 3)");
+}
+
+TEST_F(QuotedNames, AreSpelledSoInMessages) {
+  const Result result = tool("run in.csv out.csv --pipeline 'where(Pulse > 2)'");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_NE(result.err.find("there are x, y, z, `Pulse width`, `a|b`, `c, (d`"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace pointsweep
