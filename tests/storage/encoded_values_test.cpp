@@ -100,6 +100,7 @@ TEST(EncodedValues, SweepProgress) {
 TEST(EncodedValues, Checkpoint) {
   Checkpoint value;
   value.memory_bytes = 5;
+  value.ordered.emplace().axis = 1;
   value.sweep = 1;
   value.slab_points = 4;
   value.stream = {std::byte{0xaa}};
@@ -114,10 +115,11 @@ TEST(EncodedValues, Checkpoint) {
   value.counts.nonfinite = 5;
   value.counts.peak_points = 6;
   value.counts.degenerate_results = {{"normals", 2, {3, 6}}};
-  expect_encoding(value, "0a 'checkpoint' 0100" + k5 + hex(encoded(std::as_const(value.survey))) + k1 + k4 +  //
-                             k1 + "aa" + k2 + "bb cc" + k0 + k1 + kOne + kTwo + kZero + k1 +                  //
-                             k2 + k0 + k1 + kTwo +                                                            // values
-                             k1 + k2 + k3 + k4 + k5 + k6 +                                                    // counts
+  expect_encoding(value, "0a 'checkpoint' 0200" + k5 + hex(encoded(std::as_const(value.survey))) + "01" +
+                             hex(encoded(std::as_const(*value.ordered))) + k1 + k4 +          //
+                             k1 + "aa" + k2 + "bb cc" + k0 + k1 + kOne + kTwo + kZero + k1 +  //
+                             k2 + k0 + k1 + kTwo +                                            // values
+                             k1 + k2 + k3 + k4 + k5 + k6 +                                    // counts
                              k1 + "0700000000000000 'normals'" + k2 + k2 + k3 + k6);
 }
 

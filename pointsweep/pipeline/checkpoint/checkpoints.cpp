@@ -63,7 +63,7 @@ std::string pass_text(const PlannedPass& pass) {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr Encoding kCheckpointEncoding{"checkpoint", 1};
+constexpr Encoding kCheckpointEncoding{"checkpoint", 2};
 constexpr std::array kCounts = {&Statistics::sweeps,     &Statistics::certified, &Statistics::recalled,
                                 &Statistics::degenerate, &Statistics::nonfinite, &Statistics::peak_points};
 
