@@ -127,10 +127,14 @@ TEST_F(FolderInputs, ThereMayBeMoreFilesThanCanBeOpenAtOnce) {
     const std::string name = "many/" + std::to_string(100 + i) + (i % 2 == 0 ? ".ply" : ".las");
     made("generate statue " + name + " -n 40 --seed " + std::to_string(i));
   }
-  const std::string free = made("normals many free.ply -k 5", "free.ply");
-  const Result tight = tool_under("ulimit -n 24 && exec", "normals many tight.ply -k 5");
+  const std::string free = made("normals many free.ply -k 5 --no-provenance", "free.ply");
+  const Result tight = tool_under("ulimit -n 24 && exec", "normals many tight.ply -k 5 --no-provenance");
   EXPECT_EQ(tight.status, 0) << tight.err;
   EXPECT_EQ(contents(folder_ / "tight.ply"), free);
+  std::filesystem::rename(folder_ / "many/100.ply", folder_ / "first.ply");
+  const Result piped = tool_under("(ulimit -n 24 && cat first.ply |", "normals - many piped.ply -k 5 --no-provenance)");
+  EXPECT_EQ(piped.status, 0) << piped.err;
+  EXPECT_EQ(contents(folder_ / "piped.ply"), free);
 }
 
 TEST_F(FolderInputs, VerifyTakesThemToo) {

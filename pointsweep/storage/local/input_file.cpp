@@ -31,6 +31,16 @@ namespace {
   fail("{}: cannot be opened: {}.", path.string(), std::generic_category().message(error));
 }
 
+/// Opens a file, or another descriptor of the file that is the standard input.
+FileDescriptor opened(const std::filesystem::path& path) {
+  const bool is_stream = is_standard_stream(path) && standard_input_descriptor() >= 0;
+  // O_NONBLOCK: opening a pipe would wait for a writer. It has no effect on regular files.
+  FileDescriptor file(is_stream ? ::fcntl(standard_input_descriptor(), F_DUPFD_CLOEXEC, 0)
+                                : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!file) fail_to_open(path, errno);
+  return file;
+}
+
 /// The list of all InputFiles of this process that are open, most recently read first, and its lock.
 struct OpenFilesOfProcess {
   std::mutex mutex;
@@ -94,11 +104,7 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
   }
   const std::lock_guard lock(open_files().mutex);
   close_idle_files();
-  // O_NONBLOCK: opening a pipe would wait for a writer. It has no effect on regular files.
-  const bool is_stream = is_standard_stream(path) && standard_input_descriptor() >= 0;
-  FileDescriptor file(is_stream ? ::fcntl(standard_input_descriptor(), F_DUPFD_CLOEXEC, 0)
-                                : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file) fail_to_open(path, errno);
+  FileDescriptor file = opened(path);
   struct stat status {};
   const bool known = ::fstat(file.number(), &status) == 0;
   if (known && S_ISREG(status.st_mode)) {
@@ -115,8 +121,7 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
 /// Opens the file again after close_idle_files() has closed it. The caller holds the lock of the open files.
 void InputFile::reopen() const {
   close_idle_files();
-  FileDescriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file) fail_to_open(path_, errno);
+  FileDescriptor file = opened(path_);
   struct stat status {};
   const bool known = ::fstat(file.number(), &status) == 0;
   if (!known || static_cast<std::uint64_t>(status.st_dev) != device_ ||
