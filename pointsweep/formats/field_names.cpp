@@ -58,6 +58,23 @@ std::vector<std::string> column_names(const Schema& schema) {
   return names;
 }
 
+std::string changed_names(const std::filesystem::path& path, std::string_view format, const Schema& schema,
+                          const std::vector<std::string>& stored) {
+  constexpr std::size_t kMostNamed = 5;
+  std::string text;
+  std::size_t column = 0, changed = 0;
+  for (const Field& field : schema.fields) {
+    const std::string& name = stored[column];
+    column += field.count;
+    if (field.count != 1 || name == field.name || changed++ >= kMostNamed) continue;
+    text +=
+        fmt::format("{}'{}' {}as '{}'", text.empty() ? "" : ", ", field.name, text.empty() ? "is written " : "", name);
+  }
+  if (changed == 0) return {};
+  if (changed > kMostNamed) text += fmt::format(", and {} more so", changed - kMostNamed);
+  return fmt::format("{}: {}, since {} restricts names.", path.string(), text, format);
+}
+
 bool has_name(const Schema& schema, std::string_view name) {
   const std::string lower = in_lower_case(name);
   return std::ranges::any_of(schema.fields, [&](const Field& field) { return in_lower_case(field.name) == lower; });

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,11 @@ namespace pointsweep {
 /// ...; spaces, commas, semicolons, vertical bars, quotes and control characters become '_'; an empty name becomes
 /// "unnamed"; a repeated name gets _2, _3, ... added.
 std::vector<std::string> column_names(const Schema& schema);
+/// Returns a warning about the output `path` with the names of fields that differ in the file; empty if there are none.
+/// `format`: name of the format. `stored`: the name in the file of each component of each field, as column_names()
+/// lists them. Fields with several components do not count.
+std::string changed_names(const std::filesystem::path& path, std::string_view format, const Schema& schema,
+                          const std::vector<std::string>& stored);
 
 /// Returns whether a field has this name, in any case.
 bool has_name(const Schema& schema, std::string_view name);

@@ -49,6 +49,21 @@ TEST_F(QuotedNames, AreColoredAndCounted) {
   rows_of("knn(k=4) | statistics(\"Pulse width_median\", where=`a|b` > 3)");
 }
 
+TEST_F(QuotedNames, ThatAFormatDoesNotHoldAreChangedWithAWarning) {
+  const std::string changed = ": 'Pulse width' is written as 'Pulse_width', 'a|b' as 'a_b', 'c, (d' as ";
+  for (const char* out : {"out.ply", "out.pcd", "out.xyz", "out.csv", "out.e57"}) {
+    const Result result = tool(std::string("convert in.csv ") + out);
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.err.find(out + changed), std::string::npos) << result.err;
+    EXPECT_EQ(tool(std::string("verify in.csv ") + out).status, 0) << out;
+  }
+  for (const char* out : {"out.las", "out.laz"}) {
+    EXPECT_EQ(tool(std::string("convert in.csv ") + out).err.find("is written as"), std::string::npos) << out;
+    EXPECT_EQ(tool(std::string("verify in.csv ") + out).status, 0) << out;
+  }
+  EXPECT_EQ(tool("convert out.ply again.xyz").err.find("is written as"), std::string::npos);
+}
+
 TEST_F(QuotedNames, AreSpelledSoInMessages) {
   const Result result = tool("run in.csv out.csv --pipeline 'where(Pulse > 2)'");
   EXPECT_EQ(result.status, 2);

@@ -143,4 +143,13 @@ std::vector<E57Column> e57_columns(const Schema& schema) {
   return columns;
 }
 
+std::string changed_e57_names(const std::filesystem::path& path, const Schema& schema) {
+  const std::vector<std::string> standard = standard_names(schema), plain = column_names(schema);
+  std::vector<std::string> stored;
+  for (std::size_t f = 0; f < schema.fields.size(); ++f)
+    for (std::uint32_t c = 0; c < schema.fields[f].count; ++c)
+      stored.push_back(standard[f].empty() ? e57_name(plain[stored.size()]) : schema.fields[f].name);
+  return changed_names(path, "E57", schema, stored);
+}
+
 }  // namespace pointsweep

@@ -130,6 +130,8 @@ struct E57Column {
 
 /// Returns the columns for records of `schema`, the coordinates first, without `invalid_state`.
 std::vector<E57Column> e57_columns(const Schema& schema);
+/// Returns a warning about the names of fields of `path` that E57 does not allow; empty if there are none.
+std::string changed_e57_names(const std::filesystem::path& path, const Schema& schema);
 
 /// Returns `name` with '_' instead of all characters except letters, digits, '-' and '_'. A name in kE57Names, or one
 /// that XML does not allow, gets an '_' in front.

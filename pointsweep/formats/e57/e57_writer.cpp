@@ -71,6 +71,8 @@ class E57Writer final : public Writer {
           fmt::format("{}: E57 holds coordinate reference systems as WKT; {}, which the input states by GeoTIFF "
                       "keys alone, is left out.",
                       plan.path.string(), short_text(*plan.crs)));
+    if (std::string changed = changed_e57_names(plan.path, plan.schema); !changed.empty())
+      add_warning(std::move(changed));
     std::vector<psc_e57_attribute> attributes;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       attributes.push_back(codec_attribute(columns_[c].attribute));

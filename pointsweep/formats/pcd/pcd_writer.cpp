@@ -119,6 +119,14 @@ std::string pcd_header_text(const OutputPlan& plan) {
                               plan.count);
 }
 
+class PcdWriter final : public RecordWriter {
+ public:
+  explicit PcdWriter(const OutputPlan& plan) : RecordWriter(plan, pcd_header_text(plan), pcd_layout(plan).stored) {
+    if (std::string changed = changed_names(plan.path, "PCD", plan.schema, column_names(plan.schema)); !changed.empty())
+      add_warning(std::move(changed));
+  }
+};
+
 constexpr std::string_view kPcdExtensions[] = {".pcd"};
 
 }  // namespace
@@ -129,9 +137,7 @@ std::string pcd_field_name(const std::string& name) {
   return name;
 }
 
-std::unique_ptr<Writer> create_pcd_writer(const OutputPlan& plan) {
-  return std::make_unique<RecordWriter>(plan, pcd_header_text(plan), pcd_layout(plan).stored);
-}
+std::unique_ptr<Writer> create_pcd_writer(const OutputPlan& plan) { return std::make_unique<PcdWriter>(plan); }
 
 const Format kPcdFormat = {.name = "PCD",
                            .title = "PCD",

@@ -65,6 +65,8 @@ class PlyWriter final : public RecordWriter {
         narrowed_.push_back(field);
       }
     }
+    if (std::string changed = changed_names(plan.path, "PLY", plan.schema, column_names(plan.schema)); !changed.empty())
+      add_warning(std::move(changed));
   }
 
  private:

@@ -42,6 +42,8 @@ class TextWriter final : public Writer {
       is_coordinate_.push_back(field.name == "x" || field.name == "y" || field.name == "z");
     }
     const auto names = column_names(plan.schema);
+    if (std::string changed = changed_names(plan.path, "text", plan.schema, names); !changed.empty())
+      add_warning(std::move(changed));
     const std::string extension = extension_of(plan.path);
     if (extension == ".pts") append(fmt::format("{}\n", plan.count));
     if (extension != ".pts" || !are_usual_pts_columns(names)) {
