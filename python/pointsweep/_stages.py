@@ -514,8 +514,8 @@ def assign(
 
     Parameters
     ----------
-    assign : NAME = NUMBER or NAME = NUMBER where CONDITION, several with commas between, done one after another;
-        numbers and conditions are those of where; 'assign=' may be left out.
+    assign : NAME = EXPRESSION or NAME = EXPRESSION where CONDITION, several with commas between, done one after
+        another; expressions and conditions are those of where; 'assign=' may be left out.
     as_ : type of new attributes, and of those of the input that are assigned without a condition; without this
         option new ones are float64, or of the type that LAS has for the name, such as uint8 for classification.
 

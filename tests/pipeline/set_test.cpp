@@ -292,7 +292,7 @@ TEST(Set, TellsWhatIsWrong) {
     const std::string sentence = refusal([&] { run_text(input, text, tiny(100)); });
     EXPECT_NE(sentence.find(words), std::string::npos) << text << "\n" << sentence;
   };
-  expect("set(classification)", "'classification' assigns nothing; write NAME = NUMBER");
+  expect("set(classification)", "'classification' assigns nothing; write NAME = EXPRESSION");
   expect("set(classification == 7)", "assigns nothing");
   expect("set(classification = )", "a number is missing");
   expect("set(classification = 7 where )", "the condition is empty");

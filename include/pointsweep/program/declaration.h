@@ -38,7 +38,7 @@ enum class OptionKind : std::uint8_t {
   matrix,       ///< std::string, a matrix row by row, or the name of a file that holds it; not empty
   word,         ///< std::string, letters and digits; not empty
   attributes,   ///< std::string, names of attributes with commas between; none empty
-  assignments,  ///< std::string, NAME = NUMBER or NAME = NUMBER where CONDITION, with commas between; not empty
+  assignments,  ///< std::string, NAME = EXPRESSION or NAME = EXPRESSION where CONDITION, with commas between; not empty
 };
 
 /// The least number above 0, as the limit of options that must be positive.

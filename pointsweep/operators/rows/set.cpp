@@ -78,7 +78,7 @@ Assignment assignment_of(std::string_view text, const std::string& place) {
   const std::size_t equals = hidden.find('=');
   const std::string_view name = name_in(text.substr(0, equals));
   if (equals == text.npos || name.empty() || text.substr(equals + 1).starts_with('='))
-    fail_usage("{}: '{}' assigns nothing; write NAME = NUMBER, as in classification = 7 where outlier == 1.", place,
+    fail_usage("{}: '{}' assigns nothing; write NAME = EXPRESSION, as in classification = 7 where outlier == 1.", place,
                without_outer_blanks(text));
   const std::string_view rest = text.substr(equals + 1);
   const std::size_t where = place_of_where(std::string_view(hidden).substr(equals + 1));
@@ -95,8 +95,9 @@ struct SetOptions {
 const OptionTable<SetOptions>& set_options() {
   static const OptionTable<SetOptions> table = {
       option("assign", &SetOptions::assign,
-             "NAME = NUMBER or NAME = NUMBER where CONDITION, several with commas between, done one after another; "
-             "numbers and conditions are those of where; 'assign=' may be left out",
+             "NAME = EXPRESSION or NAME = EXPRESSION where CONDITION, several with commas between, done one after "
+             "another; "
+             "expressions and conditions are those of where; 'assign=' may be left out",
              {.kind = OptionKind::assignments,
               .required = true,
               .positional = true,

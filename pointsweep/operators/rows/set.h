@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// An assignment NAME = NUMBER [where CONDITION], e.g. intensity = intensity * 2 where classification == 2.
+/// An assignment NAME = EXPRESSION [where CONDITION], e.g. intensity = intensity * 2 where classification == 2.
 struct Assignment {
   std::string name;
   Expression value;
