@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The interface of all operators of the stream, and the operators other than the buffers with their parts: the read
-/// operator Φ_R, the neighbourhood operator Φ_X and the deferred-write operator Φ_W.
+/// The interface of all operators of the stream, and three of them: the read operator Φ_R, the neighbourhood operator
+/// Φ_X and the deferred-write operator Φ_W. buffers.h has the other operators.
 #pragma once
 
 #include <cstddef>

@@ -109,7 +109,8 @@ struct AttributeLimits {
 enum class VoxelKeep {
   center,  ///< the point nearest to the centre of the voxel
   hash,    ///< the point whose coordinates have the smallest hash: a random choice
-  /// The point nearest to the centre, moved to the mean of the points; other attributes become means, too, by kind.
+  /// The point nearest to the centre, moved to the mean of the points of the voxel. Its normal, colours, intensity and
+  /// single floating-point values become means, too; classes, arrays and other attributes stay.
   centroid,
 };
 

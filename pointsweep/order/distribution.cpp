@@ -82,7 +82,8 @@ class Distribution {
   }
 
  private:
-  /// Reads the next chunk of the source, one thread at a time. Returns false at the end of the source.
+  /// Reads the next chunk of the source, one thread at a time. Returns false at the end of the source, and after a
+  /// failure at an earlier row.
   bool read_in_turn(Chunk& chunk) {
     stop_if_cancelled();
     const std::lock_guard lock(reading_);

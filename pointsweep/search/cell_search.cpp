@@ -285,8 +285,8 @@ class CellSearch {
     near <= kFew ? settle_few(point, near) : settle_many(point, near);
   }
 
-  /// Writes to near_ the numbers of all candidates whose key may be as small as the key of the last wanted candidate,
-  /// and returns how many there are.
+  /// Writes to near_ the numbers of all packed candidates that may be neighbours of the query: those whose squared
+  /// distance in single precision is at most `reach` and a margin for rounding. Returns how many there are.
   std::size_t find_near(const Group<K>& group, std::uint32_t lane, float reach) {
     const float limit = reach * (1 + 2 * kRelativeMargin) + packed_.farthest * packed_.farthest * 2 * kAbsoluteMargin;
     const auto all = [&](Vec v) HWY_ATTR { return hn::Set(d_, lane_of(v, lane)); };

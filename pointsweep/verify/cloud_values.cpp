@@ -42,7 +42,8 @@ CloudThreshold threshold_of(ForEach for_each, Type type, const NamedOptions& opt
   });
   const Real by = definition == "cloudcompare" ? n : n - 1;
   const Real deviation = by > 0 ? std::sqrt(squares / by) : 0;
-  // Relative error of n additions in extended precision, and of distances that were rounded to text or float32.
+  // Relative error: of n additions in extended precision and the rounding of each distance to float64; or of distances
+  // that the output rounded to another type, such as float32.
   const Real lost = type == Type::f64 ? n * 0x1p-63L + 8 * formulas::kDouble : 4 * formulas::kSingle;
   const Real threshold = mean + options.number("multiplier") * deviation;
   return {threshold, lost * threshold};

@@ -403,8 +403,8 @@ class Verification {
 
   void suspect(std::uint64_t row, std::string difference) { suspects_.emplace_back(row, std::move(difference)); }
 
-  /// Decides which suspects are differences. If two rows of the input are equal in the precision of the output, and
-  /// only one was kept, the output does not show which one. Such rows count as open, not as different.
+  /// Decides which suspects are differences. If two different rows of the input become equal in the precision of the
+  /// output, and only one was kept, the output does not show which one. Such rows count as open, not as different.
   void judge_suspects() {
     std::ranges::stable_sort(suspects_, {}, [](const auto& s) { return s.first; });
     std::vector<std::uint64_t> rows, twins;

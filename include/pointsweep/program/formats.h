@@ -40,7 +40,7 @@ POINTSWEEP_EXPORT std::string readable_formats();
 POINTSWEEP_EXPORT std::vector<std::string_view> writable_extensions();
 /// Returns ".npy", the extension of arrays.
 POINTSWEEP_EXPORT std::string_view array_extension();
-/// Returns "kitti|float32-xyz": the formats without a signature, which the user must name.
+/// Returns "kitti|float32-xyz": the formats that the user must name, since neither a file nor its name tells them.
 POINTSWEEP_EXPORT std::string formats_asked_for();
 /// Throws UsageError if `name` is no value for the parameter `format` of open_reader().
 POINTSWEEP_EXPORT void require_format_asked_for(std::string_view name);

@@ -32,7 +32,7 @@ struct RunOption {
   std::vector<std::string> words = {};  ///< all possible values, if they are words
   /// Sets the option from a text. Throws UsageError, beginning with `where`, for a text that is no value.
   std::function<void(RunOptions&, const std::string& text, const std::string& where)> set = {};
-  std::function<std::string(const RunOptions&)> text = {};  ///< the value as a text; empty for the default
+  std::function<std::string(const RunOptions&)> text = {};  ///< returns the value as a text, "" for the default
 };
 
 POINTSWEEP_EXPORT const std::vector<RunOption>& run_options();

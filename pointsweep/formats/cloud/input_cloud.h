@@ -80,14 +80,14 @@ class InputCloud {
   /// may be split anywhere. Thread-safe.
   std::uint64_t chunk_end(std::uint64_t row) const;
 
-  /// Returns the number of the input that has row `row`, and the number of the row in that input, counting dropped
-  /// rows. `row` counts rows that selection() leaves out. Not thread-safe.
+  /// Returns the number of the input that has a row, and the number of the row in the file of this input, among all its
+  /// rows. `row` is the number of the row before selection(). Not thread-safe.
   std::pair<std::size_t, std::uint64_t> place_of_row(std::uint64_t row);
   /// Returns, for each input, the number of rows of the cloud in the inputs before it, and as the last element the
   /// number of rows of the cloud. Rows that selection() leaves out do not count.
   std::vector<std::uint64_t> first_rows() const;
-  /// Returns the number of row `row` among the rows of all inputs, counting dropped rows. `row` counts rows that
-  /// selection() leaves out. Not thread-safe.
+  /// Returns the number of a row among the rows of all input files, including rows that finite() or with_chunks()
+  /// leaves out. `row` is the number of the row before selection(). Not thread-safe.
   std::uint64_t input_row(std::uint64_t row);
 
   /// Returns the selection; null if no rows are selected.

@@ -138,10 +138,10 @@ std::string changed_e57_names(const std::filesystem::path& path, const Schema& s
 std::string e57_name(const std::string& name);
 
 /// Opens a file. Coordinates are float64, Cartesian or converted from spherical coordinates, with the pose of the scan
-/// applied to them and to normals. Other attributes have the library's names; they are 0 in scans that lack them.
-/// `scan` is the number of the scan, from 0, unless the file has a single scan with an attribute of that name. Points
-/// marked as invalid have NaN coordinates. Images are left out with a warning. Throws Error for a damaged file, and if
-/// codecs are not built in.
+/// applied to them and to normals. Other attributes have the library's names (kE57Names), or else their own; they are 0
+/// in scans that lack them. `scan` is the number of the scan, from 0, unless the file has a single scan with an
+/// attribute of that name. Points marked as invalid have NaN coordinates. Images are left out with a warning. Throws
+/// Error for a damaged file, and if codecs are not built in.
 std::unique_ptr<Reader> open_e57(const std::filesystem::path& path);
 
 /// Creates a writer. Coordinates have the type of the input; integers of a LAS grid become scaled integers. A point

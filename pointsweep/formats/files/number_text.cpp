@@ -32,8 +32,8 @@ bool parse_floating(std::string_view word, T& value) {
     if (again.ec == std::errc{}) {
       value = static_cast<T>(wide);
     } else {
-      // The number is beyond the range of long double: the sign of the exponent, or a zero before the point, tells zero
-      // from infinity.
+      // The number is beyond the range of long double. It becomes 0 if its exponent is negative or, without an
+      // exponent, if no digit but 0 stands before the point; otherwise it becomes infinite.
       const std::size_t exponent = word.find_first_of("eE"), digit = word.find_first_not_of("-0");
       const bool tiny = exponent != word.npos ? word.substr(exponent + 1).starts_with('-') : word[digit] == '.';
       value = std::copysign(tiny ? T{0} : std::numeric_limits<T>::infinity(), word.starts_with('-') ? T{-1} : T{1});

@@ -48,7 +48,7 @@ struct LasVlrChain {
   std::optional<LasVlr> extra_bytes;                            ///< the first record of extra bytes
   std::optional<LasVlr> laszip, copc, copc_hierarchy;           ///< the first record of each kind
   std::optional<LasVlr> wkt, geo_keys, geo_doubles, geo_ascii;  ///< the first record of each kind; see read_las_crs()
-  std::vector<LasVlr> provenance;                               ///< the first 256 records
+  std::vector<LasVlr> provenance;                               ///< the first 256 records of pointsweep
   std::vector<LasVlr> projection;                               ///< the first 256 records of LASF_Projection
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Neighbourhoods in vector lanes, a point per lane, with the values that Equations 1 and 2 of the paper (normals.h,
-/// curvature.h) need before and during their sums. Included once per instruction set.
+/// Measures of neighbourhoods in vector lanes, a point per lane: extents, the weights of Equation 1 of the paper
+/// (normals.h), which Equation 2 (curvature.h) uses as well, and the sums of Equation 1. Included once per instruction
+/// set.
 #if defined(POINTSWEEP_OPERATORS_NEIGHBORHOOD_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_OPERATORS_NEIGHBORHOOD_LANES_INL_H_
 #undef POINTSWEEP_OPERATORS_NEIGHBORHOOD_LANES_INL_H_

@@ -84,7 +84,7 @@ class FinishedTiles {
   struct File {
     std::uint64_t device = 0, inode = 0;
     std::uint64_t bytes = 0;
-    std::int64_t changed = 0;  ///< time of modification, in ns for files, in s for objects; 0: unknown
+    std::int64_t changed = 0;  ///< time of modification, in ns for files, in s for objects; 0 in entries of begin()
   };
   static bool find(const std::filesystem::path& path, File& file);
   void add(std::size_t tile, const File& file);

@@ -104,8 +104,9 @@ struct ChainPlan {
   bool only_copies() const;
   /// Returns whether the output can be opened only after all passes.
   bool opens_late() const { return selects() || graph.moved_bounds.has_value(); }
-  /// Returns whether pass `p` leaves rows that a later phase reads: another pass, the reordering, or an output that is
-  /// opened late. A pass that makes nothing leaves its rows, too. The results of other passes are written directly.
+  /// Returns whether the rows after pass `p` must be complete before anything is written: if another pass or the
+  /// reordering follows, if this pass drops rows or makes nothing, or if the output needs the bounds of moved points.
+  /// The results of other passes are written directly.
   bool leaves_rows(std::size_t p) const;
   /// Returns the most bytes of carried attributes that a point has at once: at the end of a pass, the bytes carried
   /// into the pass and the bytes carried out of it.
