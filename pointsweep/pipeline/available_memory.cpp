@@ -2,6 +2,7 @@
 #include "pointsweep/pipeline/available_memory.h"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <limits>
 #include <optional>
@@ -16,12 +17,14 @@ struct GroupFiles {
   const char* root;  ///< folder of the outermost group
   const char* limit;
   const char* usage;
-  const char* unused_pages;  ///< word in memory.stat before the bytes of file pages that were not used lately
+  std::array<const char*, 2> file_pages;  ///< words in memory.stat before the bytes of pages of files
 };
 
-constexpr GroupFiles kVersion1{"sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes",
-                               "total_inactive_file"};
-constexpr GroupFiles kVersion2{"sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"};
+constexpr GroupFiles kVersion1{"sys/fs/cgroup/memory",
+                               "memory.limit_in_bytes",
+                               "memory.usage_in_bytes",
+                               {"total_active_file", "total_inactive_file"}};
+constexpr GroupFiles kVersion2{"sys/fs/cgroup", "memory.max", "memory.current", {"active_file", "inactive_file"}};
 
 /// Returns the number that follows `word` in the file; the first number of the file if `word` is empty. Absent if there
 /// is none, as in "max", or no file.
@@ -39,8 +42,9 @@ std::uint64_t left_in_group(const std::filesystem::path& folder, const GroupFile
   const std::optional<std::uint64_t> limit = number_in(folder / files.limit);
   if (!limit) return std::numeric_limits<std::uint64_t>::max();
   const std::uint64_t usage = number_in(folder / files.usage).value_or(0);
-  const std::uint64_t unused = number_in(folder / "memory.stat", files.unused_pages).value_or(0);
-  return *limit - std::min(*limit, usage - std::min(usage, unused));
+  std::uint64_t of_files = 0;
+  for (const char* const word : files.file_pages) of_files += number_in(folder / "memory.stat", word).value_or(0);
+  return *limit - std::min(*limit, usage - std::min(usage, of_files));
 }
 
 /// Returns the least number of bytes left in `group`, a path such as "/jobs/7", and in the groups around it. In a

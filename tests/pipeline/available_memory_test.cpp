@@ -42,12 +42,12 @@ TEST_F(AvailableMemory, IsAtMostTheLimitOfTheOutermostGroupAsInAContainer) {
   EXPECT_EQ(available(), 100 * kMega);
 }
 
-TEST_F(AvailableMemory, IsWhatTheGroupHasLeftWithoutPagesThatAreNotUsed) {
+TEST_F(AvailableMemory, IsWhatTheGroupHasLeftWithoutCachedPagesOfFiles) {
   put("proc/self/cgroup", "0::/slice/job\n");
   put("sys/fs/cgroup/slice/job/memory.max", "104857600\n");
   put("sys/fs/cgroup/slice/job/memory.current", "62914560\n");
   EXPECT_EQ(available(), 40 * kMega);
-  put("sys/fs/cgroup/slice/job/memory.stat", "anon 1\nactive_file 7\ninactive_file 20971520\nslab 3\n");
+  put("sys/fs/cgroup/slice/job/memory.stat", "anon 1\nactive_file 5242880\ninactive_file 15728640\nslab 3\n");
   EXPECT_EQ(available(), 60 * kMega);
   put("sys/fs/cgroup/slice/job/memory.current", "524288000\n");
   EXPECT_EQ(available(), 0u);
@@ -68,7 +68,8 @@ TEST_F(AvailableMemory, KnowsGroupsOfTheFirstVersion) {
   EXPECT_EQ(available(), 2000 * kMega);
   put("sys/fs/cgroup/memory/job:a/memory.limit_in_bytes", "104857600\n");
   put("sys/fs/cgroup/memory/job:a/memory.usage_in_bytes", "83886080\n");
-  put("sys/fs/cgroup/memory/job:a/memory.stat", "inactive_file 1\ntotal_inactive_file 10485760\n");
+  put("sys/fs/cgroup/memory/job:a/memory.stat",
+      "inactive_file 1\nactive_file 1\ntotal_inactive_file 4194304\ntotal_active_file 6291456\n");
   EXPECT_EQ(available(), 30 * kMega);
 }
 
