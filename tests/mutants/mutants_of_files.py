@@ -148,4 +148,8 @@ MUTANTS = [
     Mutant("two attributes of an E57 output get one name", "formats", FORMATS + "e57/e57_columns.cpp",
            "for (int again = 2; !taken.insert(name).second; ++again)", "for (int again = 2; false && !taken.insert(name).second; ++again)",
            ("formats:E57Writing.*",)),
+    Mutant("PLY does not say that class 12 means overlap", "formats", FORMATS + "ply/ply_comments.cpp",
+           "if (origin.overlap_is_class_12) line", "if (origin.overlap_is_class_12 && line.empty()) line", ("formats:LasThroughPly.*",)),
+    Mutant("names of columns keep vertical bars", "formats", FORMATS + "field_names.cpp",
+           'std::string_view(" ,;|', 'std::string_view(" ,;', ("cli:QuotedNames.*",)),
 ]

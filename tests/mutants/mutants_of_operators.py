@@ -475,4 +475,9 @@ MUTANTS = [
            ("pipeline:Poisson.*", "pipeline:Voxel.*")),
     Mutant("the first word of a truth value is no", "formulas", OPS + "declare/option_table.h", "if (presets.*member) std::swap",
            "if (!(presets.*member)) std::swap", ("operators:Features*", "pipeline:Registry.*")),
+    Mutant("commas within names between backquotes end assignments", "set", OPS + "rows/set.cpp",
+           "const std::size_t end = end_of_assignment(hidden, begin);", "const std::size_t end = end_of_assignment(hidden.empty() ? hidden : text, begin);",
+           ("pipeline:Set.*",)),
+    Mutant("the canonical form of a name lacks its backquotes", "set", OPS + "expressions/expression.cpp",
+           "canonical_ += spelled_name(name);", "canonical_ += name;", ("operators:Expression.*",)),
 ]

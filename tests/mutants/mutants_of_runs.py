@@ -30,6 +30,9 @@ MUTANTS = [
            ("pipeline:Resume.*:Refused.*",)),
     Mutant("a resumed run plans its memory without a sample", "resume", PIPELINE + "checkpoint/checkpoints.cpp",
            "last_.survey = survey;", "last_.survey = survey;\n  last_.survey.sample = {};", ("pipeline:*ResumeLaw*",)),
+    Mutant("a resumed run takes the axis of its input for that of the rows left", "resume", PIPELINE + "run/run.cpp",
+           "if (const auto& ordered = checkpoints_->last().ordered)", "if (const auto& ordered = checkpoints_->last().ordered; ordered && !ordered->sample.empty())",
+           ("pipeline:Resume.*",)),
     Mutant("another radius counts as the same run", "resume", "pointsweep/points/neighborhood_options.cpp",
            "if (std::isfinite(neighborhood.radius)) options", "if (neighborhood.radius < 0) options", ("pipeline:Resume.*:Refused.*",)),
     Mutant("a run that keeps other attributes counts as the same run", "resume", PIPELINE + "checkpoint/checkpoints.cpp",
@@ -45,6 +48,11 @@ MUTANTS = [
            "info.count, state.text(),", "info.count, \"\",", ("pipeline:Resume.*:Refused.*",)),
 
     # Memory
+    Mutant("a run takes what its control group has used already", "memory", PIPELINE + "available_memory.cpp",
+           "return *limit - std::min(*limit, usage - std::min(usage, of_files));", "return *limit - std::min(*limit, (usage - std::min(usage, of_files)) / 1000);",
+           ("pipeline:AvailableMemory.*",)),
+    Mutant("a run heeds its own control group alone", "memory", PIPELINE + "available_memory.cpp",
+           "group.has_relative_path(); group = group.parent_path()", "group.has_relative_path(); group.clear()", ("pipeline:AvailableMemory.*",)),
     Mutant("records are sorted in a vector that grows", "memory", "pointsweep/points/sorted_records.h",
            "records_.reserve(static_cast<std::size_t>(std::min(most_, count)));", "(void)count;", ("cli:*MemoryLaw*",)),
 
