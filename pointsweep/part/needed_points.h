@@ -17,8 +17,8 @@ namespace pointsweep {
 struct NeededPoints {
   PointSource source;           ///< records in no particular order, with rows of the cloud to which the points belong
   std::uint64_t first_row = 0;  ///< first row of the tile in its cloud; 0 for points of another cloud
-  std::uint64_t own_points =
-      0;                     ///< number of points of the tile with finite coordinates; 0 for points of another cloud
+  /// Number of points of the tile with finite coordinates; 0 for points of another cloud.
+  std::uint64_t own_points = 0;
   std::uint64_t points = 0;  ///< number of points of the source with finite coordinates
   /// The function for InOrderSetup::may_lack; empty if no point that can change a result is missing. Thread-safe.
   std::function<bool(Vec3 position, double distance)> may_lack = {};
