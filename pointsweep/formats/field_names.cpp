@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <ranges>
 #include <unordered_set>
 
 #include "pointsweep/fail.h"
@@ -107,9 +108,10 @@ std::vector<std::string> default_column_names(const std::vector<std::vector<doub
 
 const Field& named_field(const Schema& schema, const std::string& word, std::string_view option) {
   const auto at = field_meant(schema, word);
-  if (!at)
-    fail_usage("{}: the points have no attribute '{}'; they have {}.", option, word,
-               fmt::join(column_names(schema), ", "));
+  if (!at) {
+    const auto names = schema.fields | std::views::transform(&Field::name);
+    fail_usage("{}: the points have no attribute '{}'; they have {}.", option, word, fmt::join(names, ", "));
+  }
   return schema.fields[*at];
 }
 

@@ -306,6 +306,9 @@ TEST_F(FolderOutputs, ADryRunWritesNothing) {
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_NE(run.out.find("outputs       3, one for each input"), std::string::npos) << run.out;
   EXPECT_FALSE(exists("out"));
+  EXPECT_EQ(run.out.find("note"), std::string::npos) << run.out;
+  made("normals tiles out/");
+  EXPECT_THAT(made("normals tiles out/ --dry-run", ".out"), testing::HasSubstr("a.las: exists already"));
   refused(2, "normals tiles out/ --dry-run --order sweep", "leave out --order sweep");
 }
 

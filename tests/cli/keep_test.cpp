@@ -271,6 +271,12 @@ TEST_F(SharedOptions, EveryVerbOverACloudHasADryRun) {
       EXPECT_NE(result.out.find(words), std::string::npos) << verb << "\n" << result.out;
     EXPECT_FALSE(exists("out.ply")) << verb;
     refused(1, verb + " in.ply out.ply --dry-run --memory 1M", "too small");
+    write("old.ply", "kept");
+    const std::string over = verb + " in.ply old.ply --dry-run --keep classification",
+                      note = "note          old.ply: exists already";
+    EXPECT_THAT(made(over, ".out"), testing::HasSubstr(note)) << verb;
+    EXPECT_THAT(made(over + " --force", ".out"), testing::Not(testing::HasSubstr(note))) << verb;
+    EXPECT_EQ(contents(folder_ / "old.ply"), "kept") << verb;
   }
   const Result result = tool("neighbors in.ply out.npy --dry-run -k 5");
   EXPECT_NE(result.out.find("the 5 nearest"), std::string::npos) << result.out << result.err;

@@ -9,8 +9,8 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/survey.h"
-#include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/available_memory.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/output/output_set.h"
 #include "pointsweep/pipeline/rows/input_source.h"
@@ -188,7 +188,8 @@ Preview preview(const InputCloud& input, const Chain& chain, const EngineOptions
       },
       on_demand_order(cloud, out.planned, options));
   out.aside_bytes = bytes_aside({cloud, outputs, options, out.planned}, out.names);
-  if (!out.memory.threads_note.empty()) out.notes.push_back(out.memory.threads_note);
+  for (const std::string& note : {out.memory.threads_note, obstacle_to_outputs(outputs, options)})
+    if (!note.empty()) out.notes.push_back(note);
   return out;
 }
 
@@ -241,7 +242,8 @@ std::string sort_plan_text(Cloud& cloud, const std::filesystem::path& output, co
   text += fmt::format("order         ascending along {}, ties by x, y, z, then input row\n", "xyz"[seen.axis]);
   text += slabs_text(memory.reordering, points, before);
   text += fmt::format("results       {} bytes a point, unchanged\n", after);
-  if (!memory.threads_note.empty()) text += "note          " + memory.threads_note + "\n";
+  for (const std::string& note : {memory.threads_note, obstacle_to_outputs(outputs, options)})
+    if (!note.empty()) text += "note          " + note + "\n";
   return text + fmt::format("memory        {:.1f} MB expected of {:.1f} MB\n",
                             megabytes(memory.reordering.expected_bytes), megabytes(budget));
 }

@@ -9,9 +9,9 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/files.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/pipeline/available_memory.h"
 #include "pointsweep/pipeline/checkpoint/checkpoints.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/available_memory.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/memory_plan.h"
 #include "pointsweep/pipeline/output/output_formats.h"
@@ -20,6 +20,7 @@
 #include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/pipeline/sweep_engine.h"
+#include "pointsweep/storage/local/output_file.h"
 #include "pointsweep/storage/local/place.h"
 #include "pointsweep/storage/local/temp_folder.h"
 
@@ -109,6 +110,19 @@ void require_own_files(const Request& request) {
     if (share_folder(input, request.outputs.points))
       fail_usage("{}: is in the folder of the outputs, one of which might replace it; name another folder.",
                  input.string());
+}
+
+std::string obstacle_to_outputs(const Outputs& outputs, const EngineOptions& options) {
+  for (const std::filesystem::path& path : written_files(outputs, options)) {
+    if (path.empty() || is_standard_output(path) || (options.division.divides() && path == outputs.points)) continue;
+    if (!outputs.tiles.empty() && !std::filesystem::exists(path.parent_path())) continue;
+    try {
+      OutputFile::require_possible(path, options.overwrite);
+    } catch (const Error& error) {
+      return error.what();
+    }
+  }
+  return "";
 }
 
 void require_work(const Request& request) {

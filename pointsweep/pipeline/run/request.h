@@ -37,6 +37,9 @@ using OtherClouds = std::vector<std::optional<OtherCloud>>;
 /// Throws UsageError if an output is also an input or another output, or if the folder of a divided output holds an
 /// input.
 void require_own_files(const Request& request);
+/// Returns the error that a run would throw for the first output that cannot be written, such as a file that exists;
+/// empty if it would throw none. Does not look at the files of a divided output or of a folder that the run makes.
+std::string obstacle_to_outputs(const Outputs& outputs, const EngineOptions& options);
 /// Throws Error if the user names a temporary folder that cannot be used, or if the input has no points.
 void require_work(const Request& request);
 /// Returns the statistics that are known before the first phase: counts, warnings of the inputs, threads and memory.
