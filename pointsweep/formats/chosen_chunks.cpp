@@ -2,12 +2,12 @@
 #include "pointsweep/formats/chosen_chunks.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/number_from.h"
 
 namespace pointsweep {
 namespace {
@@ -15,17 +15,11 @@ namespace {
 constexpr std::string_view kDepth = "depth:", kSpacing = "spacing:";
 constexpr int kDeepest = 31;
 
-std::optional<double> number_in(std::string_view text) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && end == text.data() + text.size() && number >= 0 ? std::optional(number) : std::nullopt;
-}
-
 /// Returns the greatest depth that the word chooses. `root_spacing`: the spacing of points at the root.
 int depth_of(std::string_view word, double root_spacing) {
   if (word.starts_with(kDepth))
-    return static_cast<int>(std::min<double>(*number_in(word.substr(kDepth.size())), kDeepest));
-  return depth_of_spacing(root_spacing, *number_in(word.substr(kSpacing.size())));
+    return static_cast<int>(std::min<double>(*number_from<double>(word.substr(kDepth.size())), kDeepest));
+  return depth_of_spacing(root_spacing, *number_from<double>(word.substr(kSpacing.size())));
 }
 
 }  // namespace
@@ -108,8 +102,8 @@ bool chooses_levels(std::string_view word) {
   for (const std::string_view begin : {kDepth, kSpacing}) {
     if (!word.starts_with(begin)) continue;
     const std::string_view rest = word.substr(begin.size());
-    const std::optional<double> number = number_in(rest);
-    if (begin == kDepth && (!number || std::floor(*number) != *number))
+    const std::optional<double> number = number_from<double>(rest);
+    if (begin == kDepth && (!number || *number < 0 || std::floor(*number) != *number))
       fail_usage("--depth: '{}' is no depth; the coarsest is 0.", rest);
     if (begin == kSpacing && (!number || !(*number > 0)))
       fail_usage("--resolution: '{}' is no distance above 0.", rest);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +14,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/number_from.h"
 #include "pointsweep/points/text_file.h"
 
 namespace pointsweep {
@@ -52,11 +52,7 @@ struct KeyValues {
 
 /// Parses "2154+5720" into two EPSG codes. The second code is 0 if the text has no '+'; an invalid code is -1.
 std::pair<int, int> codes_of(std::string_view text) {
-  const auto code = [](std::string_view digits) {
-    int number = -1;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-    return error == std::errc() && end == digits.data() + digits.size() ? number : -1;
-  };
+  const auto code = [](std::string_view digits) { return number_from<int>(digits).value_or(-1); };
   const std::size_t plus = text.find('+');
   return {code(text.substr(0, plus)), plus == text.npos ? 0 : code(text.substr(plus + 1))};
 }
@@ -122,10 +118,8 @@ int epsg_of(const WktNode& node) {
   for (const WktNode& child : node.children) {
     if (!is_one_of(child.keyword, {"AUTHORITY", "ID"}) || child.values.size() < 2) continue;
     if (!is_one_of(child.values[0], {"EPSG", "epsg"})) continue;
-    int code = 0;
-    const std::string& digits = child.values[1];
-    std::from_chars(digits.data(), digits.data() + digits.size(), code);
-    return std::max(code, 0);
+    std::string_view digits = child.values[1];
+    return std::max(take_number<int>(digits).value_or(0), 0);
   }
   return 0;
 }
@@ -192,10 +186,9 @@ const LengthUnit* unit_of_metres(double metres) {
 const LengthUnit* unit_of_node(const WktNode& node) {
   if (is_vertical(node)) return nullptr;
   if (is_one_of(node.keyword, {"UNIT", "LENGTHUNIT"}) && node.values.size() > 1) {
-    const std::string& factor = node.values[1];
-    double metres = 0;
-    const auto [end, error] = std::from_chars(factor.data(), factor.data() + factor.size(), metres);
-    return error == std::errc() ? unit_of_metres(metres) : nullptr;
+    std::string_view factor = node.values[1];
+    const auto metres = take_number<double>(factor);
+    return metres ? unit_of_metres(*metres) : nullptr;
   }
   const LengthUnit* unit = nullptr;
   for (const WktNode& child : node.children)

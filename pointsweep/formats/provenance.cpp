@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
 
+#include "pointsweep/number_from.h"
 #include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
@@ -32,12 +32,10 @@ std::string percent_encoded(std::string_view text) {
   return out;
 }
 
-template <class Number>
-bool take_number(std::string_view& text, Number& number) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc()) return false;
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  return true;
+bool take_count(std::string_view& text, std::uint64_t& count) {
+  const auto number = take_number<std::uint64_t>(text);
+  count = number.value_or(count);
+  return number.has_value();
 }
 
 bool take_word(std::string_view& text, std::string_view word) {
@@ -67,8 +65,8 @@ std::string line_of(const ProvenanceInput& input) {
 
 std::optional<ProvenanceInput> input_of(std::string_view text) {
   ProvenanceInput input;
-  const bool counts = take_number(text, input.points) && take_word(text, " points, ") &&
-                      take_number(text, input.bytes) && take_word(text, " bytes: ");
+  const bool counts = take_count(text, input.points) && take_word(text, " points, ") && take_count(text, input.bytes) &&
+                      take_word(text, " bytes: ");
   if (!counts || text.empty()) return std::nullopt;
   input.name = percent_decoded(text);
   return input;
@@ -84,7 +82,7 @@ void read_line(std::string_view line, ProvenanceRecord& record, std::string*& te
     if (auto input = input_of(line)) record.inputs.push_back(std::move(*input));
     return;
   }
-  if (take_word(line, "more-inputs ")) return void(take_number(line, record.more_inputs));
+  if (take_word(line, "more-inputs ")) return void(take_count(line, record.more_inputs));
   const std::size_t space = line.find(' ');
   if (space != line.npos) text = &record.settings.emplace_back(line.substr(0, space), line.substr(space + 1)).second;
 }

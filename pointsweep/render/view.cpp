@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <utility>
 #include <vector>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/number_from.h"
 
 namespace pointsweep {
 namespace {
@@ -35,11 +35,6 @@ Vec3 with_up(Vec3 v, Up up) {
   if (up.axis == 1) return {v.x, v.z, -v.y};
   if (up.axis == 0) return {v.z, v.x, v.y};
   return v;
-}
-
-bool parse_number(std::string_view text, double& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
 }
 
 constexpr double kOutliers = 0.001;  // share of the points beyond either end of the extents
@@ -123,17 +118,16 @@ std::optional<Angles> parse_view(std::string_view text) {
   if (text == "front") return Angles{0, 0};
   if (text == "top") return kTop;
   if (text == "iso") return Angles{45, 35.264389682754654};
-  Angles angles;
-  const std::size_t comma = text.find(',');
-  if (comma == text.npos || !parse_number(text.substr(0, comma), angles.azimuth) ||
-      !parse_number(text.substr(comma + 1), angles.elevation) || std::abs(angles.elevation) > 90 ||
-      std::abs(angles.azimuth) > 1e6) {
+  const std::size_t comma = std::min(text.find(','), text.size());
+  const auto azimuth = number_from<double>(text.substr(0, comma));
+  const auto elevation = number_from<double>(text.substr(std::min(comma + 1, text.size())));
+  if (!azimuth || !elevation || !(std::abs(*elevation) <= 90) || !(std::abs(*azimuth) <= 1e6)) {
     fail_usage(
         "--view: '{}' is not auto, front, top, iso or AZIMUTH,ELEVATION in degrees with an elevation of -90 to 90, "
         "e.g. 30,20.",
         text);
   }
-  return angles;
+  return Angles{*azimuth, *elevation};
 }
 
 std::optional<Up> parse_up(std::string_view text) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -17,6 +16,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/math/mix.h"
+#include "pointsweep/number_from.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/program/run_options.h"
 #include "pointsweep/verify/rows/field_pair.h"
@@ -33,10 +33,8 @@ using Part = std::array<double, 2>;
 using Surrounding = std::pair<std::string, std::string>;
 
 bool is_number(std::string_view word, double value) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-  return error == std::errc() && end == word.data() + word.size() &&
-         std::abs(number - value) <= 1e-9 * std::max(1.0, std::abs(value));
+  const auto number = number_from<double>(word);
+  return number && std::abs(*number - value) <= 1e-9 * std::max(1.0, std::abs(value));
 }
 
 /// Calls use(end) for each `end` for which the characters [begin, end) of `name` are a number equal to `value`.

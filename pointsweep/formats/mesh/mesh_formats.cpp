@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -22,6 +21,7 @@
 #include "pointsweep/formats/files/line_reader.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/format.h"
+#include "pointsweep/number_from.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/storage/local/input_file.h"
 
@@ -169,13 +169,9 @@ std::optional<OffHeader> take_keyword(std::string_view& line) {
   return header;
 }
 
-std::optional<std::uint64_t> take_number(std::string_view& line) {
+std::optional<std::uint64_t> take_count(std::string_view& line) {
   line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
-  std::uint64_t number = 0;
-  const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), number);
-  if (error != std::errc()) return std::nullopt;
-  line.remove_prefix(static_cast<std::size_t>(end - line.data()));
-  return number;
+  return take_number<std::uint64_t>(line);
 }
 
 /// Reads the header, after which `lines` stands before the first vertex.
@@ -191,7 +187,7 @@ OffHeader read_header(LineReader& lines) {
     if (!next) fail("{}: ends before the numbers of vertices and faces; get the whole file.", path);
     line = *next;
   }
-  const auto vertices = take_number(line), faces = take_number(line);
+  const auto vertices = take_count(line), faces = take_count(line);
   if (!vertices || !faces)
     fail("{}: line {} should hold the numbers of vertices, faces and edges; correct it.", path, lines.line());
   header->vertices = *vertices;

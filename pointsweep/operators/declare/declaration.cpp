@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <set>
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/number_from.h"
 #include "pointsweep/operators/kinds/stage_operator.h"
 
 namespace pointsweep {
@@ -158,10 +158,9 @@ std::vector<std::string> words_of(std::string_view list) {
 std::vector<double> numbers_of(std::string_view list) {
   std::vector<double> numbers;
   for (const std::string& word : words_of(list)) {
-    double number = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(number)) return {};
-    numbers.push_back(number);
+    const auto number = number_from<double>(word);
+    if (!number || !std::isfinite(*number)) return {};
+    numbers.push_back(*number);
   }
   return numbers;
 }

@@ -2,15 +2,14 @@
 #include "pointsweep/operators/rows/affine_map.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/number_from.h"
 #include "pointsweep/points/text_file.h"
 
 namespace pointsweep {
@@ -50,10 +49,7 @@ std::vector<Word> words_of_matrix(std::string_view text) {
 
 std::optional<double> number_of(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
-  double number = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return number;
+  return number_from<double>(word);
 }
 
 /// Returns whether a text is a matrix, not the name of a file: it then begins with two numbers.

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/number_from.h"
 #include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/points/text_file.h"
@@ -25,8 +25,8 @@ std::optional<std::array<double, 4>> numbers_of_line(std::string_view line) {
     at = line.find_first_not_of(kSeparators, at);
     if (at == std::string_view::npos) return {};
     const std::size_t end = std::min(line.find_first_of(kSeparators, at), line.size());
-    const auto [stop, error] = std::from_chars(line.data() + at, line.data() + end, number);
-    if (error != std::errc() || stop != line.data() + end || !std::isfinite(number)) return {};
+    number = number_from<double>(line.substr(at, end - at)).value_or(std::numeric_limits<double>::quiet_NaN());
+    if (!std::isfinite(number)) return {};
     at = end;
   }
   return numbers;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <charconv>
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/number_from.h"
 #include "pointsweep/program/declaration.h"
 #include "pointsweep/program/nearest_names.h"
 #include "pointsweep/program/pipeline.h"
@@ -11,19 +11,11 @@
 namespace pointsweep {
 namespace {
 
-template <class Number>
-std::optional<Number> read_number(std::string_view text) {
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
 std::optional<Vec3> read_point(std::string_view text) {
   Vec3 point;
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t end = axis < 2 ? text.find(',') : text.size();
-    const auto number = end == text.npos ? std::nullopt : read_number<double>(text.substr(0, end));
+    const auto number = end == text.npos ? std::nullopt : number_from<double>(text.substr(0, end));
     if (!number) return std::nullopt;
     point[axis] = *number;
     text.remove_prefix(std::min(end + 1, text.size()));
@@ -100,9 +92,9 @@ std::optional<OptionValue> parse_unchecked(OptionKind kind, std::string_view tex
   const auto value = [](const auto& parsed) { return parsed ? std::optional<OptionValue>(*parsed) : std::nullopt; };
   switch (kind) {
     case OptionKind::whole:
-      return value(read_number<std::uint64_t>(text));
+      return value(number_from<std::uint64_t>(text));
     case OptionKind::number:
-      return value(read_number<double>(text));
+      return value(number_from<double>(text));
     case OptionKind::point:
       return value(read_point(text));
     case OptionKind::numbers:

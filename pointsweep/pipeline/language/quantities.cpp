@@ -1,33 +1,27 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/program/quantities.h"
 
-#include <charconv>
 #include <cmath>
 #include <optional>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/number_from.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr std::string_view kPrefixes = "KMGT";
 
-/// Removes the number at the start of `text` and returns it.
-std::optional<double> take_number(std::string_view& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || !std::isfinite(value)) return std::nullopt;
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  return value;
+std::optional<double> take_finite(std::string_view& text) {
+  const auto value = take_number<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 /// Parses a whole number, exact to 64 bits, or a decimal number with K, M, G or T for a power of `base`, whose product
 /// is rounded down. A decimal number without a letter must be whole.
 std::optional<std::uint64_t> scaled(std::string_view text, double base) {
-  std::uint64_t whole = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), whole);
-  if (error == std::errc() && end == text.data() + text.size()) return whole;
-  const auto number = take_number(text);
+  if (const auto whole = number_from<std::uint64_t>(text)) return whole;
+  const auto number = take_finite(text);
   if (!number || *number < 0 || text.size() > 1) return std::nullopt;
   double factor = 1;
   if (!text.empty()) {
@@ -65,7 +59,7 @@ std::string three_digits(double value, double base) {
 
 std::uint64_t parse_size(std::string_view option, std::string_view text) {
   std::string_view rest = text;
-  const std::optional<double> bare = take_number(rest);
+  const std::optional<double> bare = take_finite(rest);
   if (bare && *bare >= 0 && rest.empty())
     fail_usage("{}: '{}' has no unit: add B, K, M, G or T (powers of 1024; 4G, 4GB and 4GiB are the same).", option,
                text);
@@ -84,7 +78,7 @@ Vec3 parse_vector(std::string_view option, std::string_view text) {
   std::string_view rest = text;
   Vec3 v;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto number = take_number(rest);
+    const auto number = take_finite(rest);
     const bool separated = axis == 2 ? rest.empty() : rest.starts_with(',');
     if (!number || !separated) fail_usage("{}: '{}' is not of the form X,Y,Z.", option, text);
     v[axis] = *number;

@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <set>
@@ -13,6 +12,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
+#include "pointsweep/number_from.h"
 #include "pointsweep/program/quantities.h"
 
 namespace pointsweep {
@@ -26,10 +26,8 @@ constexpr int kMostDigits = 15;  ///< decimal digits that float64 represents
 constexpr const char* kAutomatic = "auto";
 
 std::optional<int> parse_whole(const std::string& text, int least, int most) {
-  int number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  const bool is_whole = error == std::errc() && end == text.data() + text.size();
-  return is_whole && number >= least && number <= most ? std::optional(number) : std::nullopt;
+  const auto number = number_from<int>(text);
+  return number && *number >= least && *number <= most ? number : std::nullopt;
 }
 
 std::string list_of(const std::vector<std::string>& words) {

@@ -11,7 +11,6 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <mutex>
 #include <optional>
@@ -20,6 +19,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "pointsweep/number_from.h"
 #include "pointsweep/program/process.h"
 #include "pointsweep/storage/local/descriptor.h"
 #include "pointsweep/storage/remote/url.h"
@@ -53,11 +53,9 @@ std::optional<Part> parse_part(std::string_view name) {
   name = name.substr(1, name.size() - 1 - kSuffix.size());
   const std::size_t dot = name.rfind('.');
   if (dot == std::string_view::npos || dot == 0) return {};
-  Part part{.output = std::string(name.substr(0, dot))};
-  const char* const end = name.data() + name.size();
-  const auto parsed = std::from_chars(name.data() + dot + 1, end, part.owner);
-  if (parsed.ec != std::errc{} || parsed.ptr != end || part.owner <= 0) return {};
-  return part;
+  const auto owner = number_from<pid_t>(name.substr(dot + 1));
+  if (!owner || *owner <= 0) return {};
+  return Part{std::string(name.substr(0, dot)), *owner};
 }
 
 /// Returns whether no process writes the file. No process may have locked the file. In addition, process `owner` must
