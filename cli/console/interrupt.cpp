@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <csignal>
-#include <ctime>
 
 #include "pointsweep/program/process.h"
 

@@ -7,32 +7,36 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the words that the bash script offers for a value, or a mark such as "@files" that kBashTail handles.
-std::string bash_values(const DeclaredOption& option) {
-  switch (option.offer) {
-    case Offer::words:
-      return fmt::format("{}", fmt::join(option.words, " "));
-    case Offer::files:
-      return "@files";
-    case Offer::folders:
-      return "@folders";
-    case Offer::pipeline:
-      return "@pipeline";
-    case Offer::nothing:
-      break;
+/// What the script of a shell offers for a value, by kind. {} stands for the words that the value may be.
+struct OfferTexts {
+  const char *words, *files, *folders, *pipeline, *nothing;
+
+  std::string of(const DeclaredOption& option) const {
+    const char* text = option.offer == Offer::words      ? words
+                       : option.offer == Offer::files    ? files
+                       : option.offer == Offer::folders  ? folders
+                       : option.offer == Offer::pipeline ? pipeline
+                                                         : nothing;
+    return fmt::format(fmt::runtime(text), fmt::join(option.words, " "));
   }
-  return "@nothing";
-}
+};
+
+/// kBashTail handles the marks that begin with @.
+constexpr OfferTexts kBash{"{}", "@files", "@folders", "@pipeline", "@nothing"};
+constexpr OfferTexts kZsh{"({})", "_files", "_files -/",
+                          "_alternative \"operators:operator:({})\" \"files:file:_files\"", " "};
+/// Arguments of fish's command `complete`.
+constexpr OfferTexts kFish{" -x -a '{}'", " -r -F", " -x -a '(__fish_complete_directories)'", " -r -F -a '{}'", " -x"};
 
 std::string bash_case(const DeclaredVerb& verb) {
   std::string flags, values;
   for (const DeclaredOption& option : verb.options) {
     flags += fmt::format("{}{}", flags.empty() ? "" : " ", fmt::join(option.flags, " "));
     if (!option.value.empty())
-      values += fmt::format("        {}) values='{}' ;;\n", fmt::join(option.flags, "|"), bash_values(option));
+      values += fmt::format("        {}) values='{}' ;;\n", fmt::join(option.flags, "|"), kBash.of(option));
   }
-  const std::string first = verb.arguments.empty() ? "" : bash_values(verb.arguments.front());
-  const std::string rest = verb.arguments.empty() ? "" : bash_values(verb.arguments.back());
+  const std::string first = verb.arguments.empty() ? "" : kBash.of(verb.arguments.front());
+  const std::string rest = verb.arguments.empty() ? "" : kBash.of(verb.arguments.back());
   std::string text = fmt::format("    {})\n      options='{}'\n      argument='{}'\n", verb.name, flags, rest);
   if (first != rest) text += fmt::format("      ((COMP_CWORD == 2)) && argument='{}'\n", first);
   if (!values.empty()) text += fmt::format("      case $prev in\n{}      esac\n", values);
@@ -90,29 +94,12 @@ std::string zsh_part(const std::string& text) {
   return out;
 }
 
-std::string zsh_action(const DeclaredOption& option) {
-  switch (option.offer) {
-    case Offer::words:
-      return fmt::format("({})", fmt::join(option.words, " "));
-    case Offer::files:
-      return "_files";
-    case Offer::folders:
-      return "_files -/";
-    case Offer::pipeline:
-      return fmt::format("_alternative \"operators:operator:({})\" \"files:file:_files\"",
-                         fmt::join(option.words, " "));
-    case Offer::nothing:
-      break;
-  }
-  return " ";
-}
-
 std::string zsh_option(const DeclaredOption& option) {
   std::string lines;
   for (const std::string& flag : option.flags) {
     std::string spec =
         fmt::format("({}){}[{}]", fmt::join(option.flags, " "), flag, zsh_part(first_clause(option.meaning)));
-    if (!option.value.empty()) spec += ":" + zsh_part(option.value) + ":" + zsh_action(option);
+    if (!option.value.empty()) spec += ":" + zsh_part(option.value) + ":" + kZsh.of(option);
     lines += " \\\n        " + quoted(spec, "'\\''");
   }
   return lines;
@@ -125,33 +112,16 @@ std::string zsh_case(const DeclaredVerb& verb) {
     const bool last = a + 1 == verb.arguments.size();
     const DeclaredOption& argument = verb.arguments[a];
     const std::string place = last ? "*" : std::to_string(a + 1);
-    text += " \\\n        " + quoted(place + ":" + zsh_part(argument.value) + ":" + zsh_action(argument), "'\\''");
+    text += " \\\n        " + quoted(place + ":" + zsh_part(argument.value) + ":" + kZsh.of(argument), "'\\''");
   }
   return text + "\n      ;;\n";
-}
-
-/// Returns the arguments of fish's command `complete` that say which values fish offers for an option or an argument.
-std::string fish_values(const DeclaredOption& option) {
-  switch (option.offer) {
-    case Offer::words:
-      return fmt::format(" -x -a '{}'", fmt::join(option.words, " "));
-    case Offer::files:
-      return " -r -F";
-    case Offer::folders:
-      return " -x -a '(__fish_complete_directories)'";
-    case Offer::pipeline:
-      return fmt::format(" -r -F -a '{}'", fmt::join(option.words, " "));
-    case Offer::nothing:
-      break;
-  }
-  return " -x";
 }
 
 std::string fish_option(const DeclaredOption& option, const std::string& condition) {
   std::string line = "complete -c pointsweep -n " + condition;
   for (const std::string& flag : option.flags)
     line += flag.starts_with("--") ? " -l " + flag.substr(2) : " -s " + flag.substr(1);
-  if (!option.value.empty()) line += fish_values(option);
+  if (!option.value.empty()) line += kFish.of(option);
   return line + " -d " + quoted(first_clause(option.meaning), "\\'") + "\n";
 }
 
@@ -217,7 +187,7 @@ std::string fish_completion(const CLI::App& app) {
     const std::string condition = fmt::format("'__fish_seen_subcommand_from {}'", verb.name);
     for (const DeclaredOption& option : verb.options) text += fish_option(option, condition);
     for (const DeclaredOption& argument : verb.arguments) {
-      const std::string values = argument.offer == Offer::files ? " -F" : fish_values(argument);
+      const std::string values = argument.offer == Offer::files ? " -F" : kFish.of(argument);
       text += fmt::format("complete -c pointsweep -n {}{}\n", condition, values);
     }
   }

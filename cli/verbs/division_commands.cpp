@@ -4,7 +4,6 @@
 /// - `pointsweep split IN... OUT/ --by A` writes a file for each value of an attribute, with --parts N for each of N
 ///   random parts.
 #include <memory>
-#include <string>
 
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"

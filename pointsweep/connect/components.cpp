@@ -65,7 +65,6 @@ Components::Components(const EdgeBuckets& buckets, const ComponentsSetup& setup)
     : setup_(setup), log_(setup.make_scratch, setup.votes != nullptr ? setup.votes->result_bytes() : 0) {
   SpanningForest forest(buckets.weighted(), setup_.votes, log_);
   grow(forest, buckets, {.progress = setup_.progress});
-  peak_supernodes_ = forest.slots();
   log_.finish();
   count_ = log_.components().count();
 }

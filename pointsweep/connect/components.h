@@ -36,9 +36,6 @@ class Components {
   std::uint64_t count() const { return count_; }
   /// Returns the bytes of the log of the forest in the temporary folder.
   std::uint64_t log_bytes() const { return log_.bytes(); }
-  /// Returns the largest number of supernodes (SpanningForest) that were in memory at once. Merged supernodes count
-  /// until the next close().
-  std::size_t peak_supernodes() const { return peak_supernodes_; }
 
  private:
   bool turns(const std::byte* component) const;
@@ -46,7 +43,6 @@ class Components {
   const ComponentsSetup& setup_;
   ForestLog log_;
   std::uint64_t count_ = 0;
-  std::size_t peak_supernodes_ = 0;
 };
 
 }  // namespace pointsweep

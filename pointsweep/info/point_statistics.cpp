@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <utility>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/cloud/input_cloud.h"

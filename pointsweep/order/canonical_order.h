@@ -2,7 +2,6 @@
 /// The canonical order of points: coordinate along the sweep axis; ties by x, then y, then z, then input row.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

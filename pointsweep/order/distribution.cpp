@@ -2,8 +2,6 @@
 #include "pointsweep/order/distribution.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <memory>
 #include <mutex>
 #include <numeric>

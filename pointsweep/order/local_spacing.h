@@ -2,7 +2,6 @@
 /// Distances between neighbouring points in each part of space, estimated from the sample of the survey (survey.h).
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

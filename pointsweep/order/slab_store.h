@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "pointsweep/storage/encoding.h"
 #include "pointsweep/storage/local/spill_file.h"

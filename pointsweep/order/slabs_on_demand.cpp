@@ -2,7 +2,6 @@
 #include "pointsweep/order/slabs_on_demand.h"
 
 #include <algorithm>
-#include <atomic>
 #include <condition_variable>
 #include <cstring>
 #include <exception>

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "pointsweep/points/record_map.h"
 #include "pointsweep/points/schema.h"

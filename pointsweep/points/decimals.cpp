@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/points/decimals.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>

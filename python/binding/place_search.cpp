@@ -2,8 +2,6 @@
 #include "python/binding/place_search.h"
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <utility>
 
 #include "pointsweep/cancellation.h"

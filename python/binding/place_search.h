@@ -9,7 +9,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "pointsweep/in_order_operator.h"
 #include "pointsweep/operators/nearest/searched_points.h"

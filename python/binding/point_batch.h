@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <span>
-#include <vector>
 
 #include "pointsweep/attribute.h"
 #include "pointsweep/neighborhood.h"

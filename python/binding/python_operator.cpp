@@ -13,7 +13,6 @@
 #include <span>
 #include <tuple>
 #include <utility>
-#include <variant>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/points/schema.h"

@@ -5,7 +5,6 @@
 #include <nanobind/nanobind.h>
 
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "pointsweep/chain.h"

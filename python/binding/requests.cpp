@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <utility>
-#include <variant>
 
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/program/pipeline.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Keeping points that are farther from each other than a radius.
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/survey.h"
@@ -163,7 +162,7 @@ Preview preview(const InputCloud& input, const Chain& chain, const EngineOptions
   require_own_files({cloud, outputs, options, out.planned});
   require_work({cloud, outputs, options, out.planned});
   require_lengths(cloud, out.planned.chain);
-  out.notes = notes_on_defaults(cloud, out.planned.chain);
+  out.notes = notes_on_inputs(cloud, out.planned.chain);
   require_outputs_possible(outputs, options);
   for (const std::optional<OtherCloud>& other : open_others(out.planned, cloud))
     out.others.push_back(other ? fmt::format("{}, {} points", other->name(), other->count()) : "");

@@ -3,7 +3,6 @@
 /// arithmetic, comparisons and functions of numbers that are known to lie in a range.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <span>

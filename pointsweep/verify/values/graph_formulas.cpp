@@ -6,7 +6,6 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <string>
 #include <tuple>
 
 #include "pointsweep/verify/values/label_formula.h"

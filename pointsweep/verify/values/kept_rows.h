@@ -2,7 +2,6 @@
 /// The rows of an input that a run has kept, found without code of the engine.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
