@@ -26,7 +26,7 @@ constexpr std::uintmax_t kLongestWkt = 1 << 20;
 // Keys of GeoTIFF 1.1 (OGC 19-008).
 constexpr std::uint16_t kModelType = 1024, kRasterType = 1025, kCitation = 1026, kGeodeticCrs = 2048,
                         kGeodeticCitation = 2049, kProjectedCrs = 3072, kProjectedCitation = 3073, kLinearUnit = 3076,
-                        kVerticalCrs = 4096;
+                        kVerticalCrs = 4096, kVerticalUnit = 4099;
 constexpr std::uint16_t kDoublesTag = 34736, kAsciiTag = 34737;
 constexpr double kUserDefined = 32767;
 
@@ -180,36 +180,33 @@ const LengthUnit* unit_of_metres(double metres) {
   return found == std::end(kLengthUnits) ? nullptr : found;
 }
 
-/// Returns the last unit of length of a system or of a part of it, without vertical systems; null if there is none. WKT
-/// 1 has UNIT, WKT 2 LENGTHUNIT. The last unit counts, since the unit of a projected system comes after the units of
-/// its ellipsoid (WKT 2), its angles and the parameters of its projection.
-const LengthUnit* unit_of_node(const WktNode& node) {
-  if (is_vertical(node)) return nullptr;
+enum class Along : std::uint8_t { map, heights };
+
+/// Returns the last unit of length along the map or of heights in a system or in a part of it; null if there is none.
+/// `part`: heights if `node` is inside a vertical system. WKT 1 has UNIT, WKT 2 LENGTHUNIT. The last unit counts, since
+/// the unit of a projected system comes after the units of its ellipsoid (WKT 2), its angles and the parameters of its
+/// projection.
+const LengthUnit* unit_of_node(const WktNode& node, Along along, Along part = Along::map) {
+  if (is_vertical(node)) part = Along::heights;
   if (is_one_of(node.keyword, {"UNIT", "LENGTHUNIT"}) && node.values.size() > 1) {
+    if (part != along) return nullptr;
     std::string_view factor = node.values[1];
     const auto metres = take_number<double>(factor);
     return metres ? unit_of_metres(*metres) : nullptr;
   }
   const LengthUnit* unit = nullptr;
   for (const WktNode& child : node.children)
-    if (const LengthUnit* found = unit_of_node(child)) unit = found;
+    if (const LengthUnit* found = unit_of_node(child, along, part)) unit = found;
   return unit;
 }
 
-const LengthUnit* unit_of_wkt(std::string_view wkt) {
-  const std::optional<WktNode> root = parse_wkt(wkt);
-  return root ? unit_of_node(unwrapped(*root)) : nullptr;
-}
-
-const LengthUnit* unit_of_keys(const GeoTiffKeys& keys) {
-  const auto found = std::ranges::find(kLengthUnits, values_of(keys).code(kLinearUnit), &LengthUnit::code);
-  return found == std::end(kLengthUnits) ? nullptr : found;
-}
-
-const LengthUnit* unit_of(const Crs& crs) {
+const LengthUnit* unit_of(const Crs& crs, Along along = Along::map) {
   if (crs.kind == CrsKind::geographic) return nullptr;
-  const LengthUnit* unit = unit_of_wkt(crs.wkt);
-  return unit != nullptr ? unit : unit_of_keys(crs.geotiff);
+  const std::optional<WktNode> root = parse_wkt(crs.wkt);
+  if (const LengthUnit* unit = root ? unit_of_node(unwrapped(*root), along) : nullptr) return unit;
+  const int code = values_of(crs.geotiff).code(along == Along::map ? kLinearUnit : kVerticalUnit);
+  const auto found = std::ranges::find(kLengthUnits, code, &LengthUnit::code);
+  return found == std::end(kLengthUnits) ? nullptr : found;
 }
 
 }  // namespace
@@ -316,6 +313,11 @@ CrsAgreement compare(const Crs& a, const Crs& b) {
 std::string length_unit_of(const Crs& crs) {
   const LengthUnit* unit = unit_of(crs);
   return unit != nullptr ? unit->name : "";
+}
+
+std::string other_unit_of_heights(const Crs& crs) {
+  const LengthUnit *map = unit_of(crs), *heights = unit_of(crs, Along::heights);
+  return map != nullptr && heights != nullptr && map != heights ? heights->name : "";
 }
 
 std::optional<double> metres_of_unit(const Crs& crs) {

@@ -12,7 +12,7 @@ namespace {
 /// Spellings of each field: first the library's own name, then other names in the order in which Schema::find() tries
 /// them. All are in lower case, since comparisons ignore case. CloudCompare puts `scalar_` before the names of its
 /// scalar fields; `diffuse_` comes from older PLY exporters.
-using Row = std::array<std::string_view, 7>;
+using Row = std::array<std::string_view, 9>;
 constexpr Row kRows[] = {
     {"nx", "normal_x", "normalx", "normal x", "normal.x"},
     {"ny", "normal_y", "normaly", "normal y", "normal.y"},
@@ -28,7 +28,7 @@ constexpr Row kRows[] = {
      "scalar_number_of_returns"},
     {"classification", "class", "scalar_classification"},
     {"scan_angle", "scanangle", "scan angle", "scan_angle_rank", "scananglerank", "scalar_scanangle",
-     "scalar_scan_angle_rank"},
+     "scalar_scan_angle", "scalar_scananglerank", "scalar_scan_angle_rank"},
     {"user_data", "userdata", "user data", "scalar_userdata", "scalar_user_data"},
     {"point_source_id", "pointsourceid", "point source id", "scalar_pointsourceid", "scalar_point_source_id"},
     {"curvature", "surface_variation", "scalar_curvature", "scalar_surface_variation"},

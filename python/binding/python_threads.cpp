@@ -3,6 +3,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <chrono>
 #include <exception>
 #include <semaphore>
 #include <thread>
@@ -11,6 +12,10 @@
 namespace nb = nanobind;
 
 namespace pointsweep {
+
+void wait_at_exit() {
+  while (Py_IsInitialized() == 0) std::this_thread::sleep_for(std::chrono::hours(1));
+}
 
 class PythonThreads::Thread {
  public:
@@ -29,6 +34,7 @@ class PythonThreads::Thread {
 
  private:
   void serve() {
+    wait_at_exit();
     const nb::gil_scoped_acquire attached;
     while (const auto* work = next()) {
       try {
@@ -43,6 +49,7 @@ class PythonThreads::Thread {
   const std::function<void()>* next() {
     const nb::gil_scoped_release others_run;
     given_.acquire();
+    wait_at_exit();
     return std::exchange(work_, nullptr);
   }
 

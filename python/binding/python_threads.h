@@ -9,6 +9,11 @@
 
 namespace pointsweep {
 
+/// Blocks the calling thread for ever if the interpreter is ending. Must be called before a thread attaches to the
+/// interpreter that may be a daemon thread of Python or work for one: the interpreter would end such a thread in the
+/// middle of C++ code, which aborts the process.
+void wait_at_exit();
+
 /// A thread that the interpreter has not started gets a new thread state, with new `threading.local` values, each time
 /// that it attaches to the interpreter. The workers of a run are such threads, and the run does not own them. So a run
 /// calls Python on the threads of a PythonThreads, which it owns: each keeps one thread state from its first call to

@@ -9,6 +9,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/points/record_map.h"
+#include "pointsweep/points/schema.h"
 #include "pointsweep/storage/local/temp_folder.h"
 
 namespace nb = nanobind;
@@ -131,7 +132,7 @@ void ResultArrays::add(const std::string& name, const std::vector<std::string>& 
   std::size_t values = 0;
   std::set<std::string> taken;
   for (const std::string& field : fields) {
-    const auto known = plan.schema.find(field);
+    const auto known = field_meant(plan.schema, field);
     if (!known || taken_.contains(plan.schema.fields[*known].name)) return;
     found.push_back(plan.schema.fields[*known]);
     taken.insert(std::exchange(found.back().name, field));  // a file may call x "X"

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pointsweep/cancellation.h"
+#include "python/binding/python_threads.h"
 
 namespace nb = nanobind;
 
@@ -87,6 +88,8 @@ void watch(const Callbacks& callbacks, const std::function<void(Observer&)>& wor
     {
       const nb::gil_scoped_release others_run;
       events = mailbox.look();
+      if (Py_IsInitialized() == 0) mailbox.cancel();
+      wait_at_exit();
     }
     done = events.done;
     if (raised) continue;
@@ -100,6 +103,7 @@ void watch(const Callbacks& callbacks, const std::function<void(Observer&)>& wor
   {
     const nb::gil_scoped_release others_run;
     worker.join();
+    wait_at_exit();
   }
   if (raised) std::rethrow_exception(raised);
   if (failed) std::rethrow_exception(failed);

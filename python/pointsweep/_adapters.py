@@ -3,14 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from ._crs import Crs, crs_of, las_crs
 from ._errors import UsageError
-from ._results import Arrays
+from ._results import ROW_NUMBERS, Arrays, Grid
 from ._types import Files
 
 _SCAN_ANGLE_STEP = 0.006  # degrees for each unit of the LAS field scan_angle, in point format 6 and later
@@ -28,10 +28,27 @@ def are_points(value: Any) -> bool:
     return getattr(value, "ndim", 0) >= 2 or bool(getattr(getattr(value, "dtype", None), "names", None))
 
 
-def arrays_by_name(points: Any) -> dict[str, Any]:
-    """Returns the arrays of a dict, a structured array, a table or a cloud of another library; anything else becomes 'xyz'."""
-    if isinstance(points, Arrays):  # 'row' holds row numbers in the input of the earlier run, which mean nothing here
-        return {name: values for name, values in points.items() if name != "row"}
+def arrays_by_name(points: Any) -> Arrays:
+    """Returns the arrays of a dict, a structured array, a table or a cloud of another library, with the coordinate system, the
+    names of components and the grid that the points state; anything else becomes 'xyz'."""
+    found = _named(points)
+    result = Arrays(found)
+    result.crs = crs_stated_by(points)
+    if isinstance(points, Arrays):
+        result._grid, result._components = points._grid, points._components
+    else:
+        result._grid = _las_grid(points)
+    return result
+
+
+def _named(points: Any) -> dict[str, Any]:
+    if isinstance(points, Arrays) or _has_numbers_of_rows(points):
+        # 'row' holds row numbers in the input of the earlier run, which mean nothing here
+        return {name: values for name, values in _columns_of(points).items() if name != "row"}
+    return _columns_of(points)
+
+
+def _columns_of(points: Any) -> dict[str, Any]:
     if isinstance(points, Mapping):
         return dict(points)
     if _is_geometry(points):
@@ -45,9 +62,13 @@ def arrays_by_name(points: Any) -> dict[str, Any]:
         return _open3d_legacy(points)
     if "positions" in getattr(points, "point", ()):
         return _open3d_tensors(points)
+    if hasattr(points, "__dask_graph__") and hasattr(points, "columns"):
+        raise UsageError("points: a data frame of Dask has no values yet; give frame.compute(), or (p.compute() for p in frame.partitions).")
     if hasattr(points, "column_names") and hasattr(points, "column"):
+        _require_different(points.column_names)
         return {name: _arrow_column(name, points.column(name)) for name in points.column_names}
     if hasattr(points, "columns") and hasattr(points, "__getitem__"):
+        _require_different(points.columns)
         return {str(name): _table_column(name, points[name]) for name in points.columns}
     return {"xyz": points}
 
@@ -60,6 +81,29 @@ def crs_stated_by(points: Any) -> Crs | None:
     if hasattr(header, "vlrs"):
         return las_crs(header)
     return crs_of(points.crs) if _is_geometry(points) else None
+
+
+def _require_different(columns: Iterable[Any]) -> None:
+    """Raises UsageError if two columns of a table have the same name."""
+    seen = set()
+    for name in map(str, columns):
+        if name in seen:
+            raise UsageError(f"points: the table has two columns called '{name}'; rename one of them, or leave it out.")
+        seen.add(name)
+
+
+def _has_numbers_of_rows(points: Any) -> bool:
+    """Returns whether the points are a table made of `Arrays`, whose column 'row' holds numbers of input rows."""
+    stated = getattr(points, "attrs", None) or getattr(getattr(points, "schema", None), "metadata", None)
+    return isinstance(stated, Mapping) and (ROW_NUMBERS in stated or ROW_NUMBERS.encode() in stated)
+
+
+def _las_grid(points: Any) -> Grid | None:
+    """Returns the grid of a laspy.LasData, a reader of laspy or a block of its points; None for other points."""
+    header = getattr(getattr(points, "reader", points), "header", points)
+    if not (hasattr(header, "scales") and hasattr(header, "offsets") and hasattr(header, "point_format")):
+        return None
+    return Grid(tuple(map(float, header.scales)), tuple(map(float, header.offsets)))  # type: ignore[arg-type]
 
 
 def from_dlpack(name: str, values: Any) -> Any:

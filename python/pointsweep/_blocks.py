@@ -8,8 +8,8 @@ from typing import IO, Any
 
 import numpy as np
 
-from ._crs import Crs
 from ._errors import Error, UsageError
+from ._results import Arrays
 
 
 class _Column:
@@ -48,25 +48,20 @@ class _Column:
         self._file.close()
 
 
-def spilled(
-    blocks: Iterator[Any],
-    named: Callable[[Any], dict[str, np.ndarray]],
-    crs_of_block: Callable[[Any], Crs | None],
-    folder: str | None,
-) -> tuple[dict[str, Any], Crs | None]:
-    """Returns the arrays of all `blocks`, in temporary files in `folder`, and their coordinate system. `named` converts a
-    block to arrays by name."""
+def spilled(blocks: Iterator[Any], named: Callable[[Any], Arrays], folder: str | None) -> Arrays:
+    """Returns the arrays of all `blocks`, in temporary files in `folder`, with what the first block states beside its arrays.
+    `named` converts a block to arrays by name."""
     columns: dict[str, _Column] = {}
-    crs: Crs | None = None
+    result = Arrays()
     try:
         for number, block in enumerate(blocks):
             arrays = named(block)
-            stated = crs_of_block(block)
+            if number > 0 and arrays.crs != result.crs:
+                raise UsageError(
+                    f"block {number} is in {arrays.crs}, but the first one is in {result.crs}; transform one of them first."
+                )
             if number == 0:
-                crs = stated
-            elif stated != crs:
-                raise UsageError(f"block {number} is in {stated}, but the first one is in {crs}; transform one of them first.")
-            if number == 0:
+                result = arrays.copy()
                 columns = {name: _Column(name, values, folder) for name, values in arrays.items()}
             if arrays.keys() != columns.keys():
                 raise UsageError(f"block {number} has {', '.join(arrays)}, but the first one has {', '.join(columns)}.")
@@ -74,7 +69,8 @@ def spilled(
                 columns[name].append(values)
         if not columns:
             raise UsageError("the iterator gave no block; without one the attributes are not known.")
-        return {name: column.array() for name, column in columns.items()}, crs
+        result.update((name, column.array()) for name, column in columns.items())
+        return result
     except OSError as error:
         import tempfile
 

@@ -10,16 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _core
-from ._crs import Crs
 from ._errors import UsageError, warn
-from ._function import MadeOfFunction
+from ._function import MadeOfFunction, with_parentheses
 from ._operator import Operator, Points, operator
 from ._options import kept_names, refuse_options_of_files, run_options, whole, with_run_options
 from ._progress import called
 from ._results import Arrays, Report, arrays_of
-from ._sources import source_of
-from ._stage_list import stages_of
-from ._types import FunctionStage, PipelineLike, ProgressCallback, RunOptions
+from ._sources import Source, every_array, source_of
+from ._stage_list import read_by, refuse_made_xyz, stages_of
+from ._types import FilesWithColumns, FunctionStage, PipelineLike, ProgressCallback, RunOptions
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -41,27 +40,25 @@ class Chunks(Iterator[Arrays]):
     An unnamed temporary file holds the results. The file is removed with this object, by `close`, or when the process ends.
     """
 
-    def __init__(
-        self, results: Any, has_rows: bool, statistics: str, kept: list[str], rows: int, crs: Crs | None
-    ) -> None:
+    def __init__(self, results: Any, has_rows: bool, statistics: str, kept: list[str], rows: int, source: Source) -> None:
         self.report = Report(statistics)  #: statistics of the run
         self._results: Any = results
         self._has_rows = has_rows
         self._kept = kept
         self._rows = rows
-        self._crs = crs
+        self._crs, self._grid = source.crs, source.grid
         self._next = 0
 
     def __next__(self) -> Arrays:
         if self._results is None or self._next >= len(self._results):
             self.close()
             raise StopIteration
-        block = arrays_of(self._results.read(self._next, self._rows), None, self._kept, self._crs)
+        known = self._results.read(self._next, self._rows)
         n = min(self._rows, len(self._results) - self._next)
-        if not self._has_rows and "row" not in block:
-            block["row"] = np.arange(self._next, self._next + n)
+        if not self._has_rows and "row" not in known:
+            known["row"] = np.arange(self._next, self._next + n), ["row"]
         self._next += n
-        return block
+        return arrays_of(known, None, self._kept, self._crs, self._grid)
 
     def close(self) -> None:
         """Removes the temporary file. The iterator ends."""
@@ -88,10 +85,10 @@ def chunks(
 ) -> Chunks:
     """Runs a pipeline and returns its results as blocks of `rows` rows, in the order of the input.
 
-    Each block is a dict of the arrays that `run` returns, and of 'row', the number of the input row. The run ends before the
-    first block. Its results are in a temporary file in `temp_folder`, so that only one block is in memory, in addition to the
-    `memory` of the run. Without a pipeline the blocks hold the points themselves, with all attributes or those that
-    `keep` names.
+    Each block is a dict of the arrays that `run` returns, and of 'row', the number of the input row. If an attribute 'row' of
+    files, or one that an operator makes, is among the results, 'row' is this attribute. The run ends before the first block.
+    Its results are in a temporary file in `temp_folder`, so that only one block is in memory, in addition to the `memory` of
+    the run. Without a pipeline the blocks hold the points themselves, with all attributes or those that `keep` names.
 
     Parameters
     ----------
@@ -107,18 +104,28 @@ def chunks(
     kept = kept_names(keep)
     checked = run_options(**options)
     refuse_options_of_files(checked, "leave the option out")
-    source = source_of(points, attributes, crs, checked)
-    stages: list[str | FunctionStage] = [_row()] if pipeline is None else stages_of(pipeline)
+    columns = points if isinstance(points, FilesWithColumns) else None
+    if columns is not None:
+        columns._checked_options(options, to_files=False)
+    stages: list[str | FunctionStage] = [] if pipeline is None else stages_of(pipeline)
+    source = source_of(points if columns is None else columns.cloud, attributes, crs, checked, read_by(stages))
     if pipeline is None and not kept:
-        kept = source.array_names()
-    numbers = _row() if source.is_files else None
+        kept = source.array_names() if columns is None else every_array(columns.attributes)
+    if columns is not None:
+        stages.insert(0, columns._stage())
+    source.require_clear(kept)
+    refuse_made_xyz(stages)
+    has_own = "row" in source.fields or any("row" in stage.makes for stage in stages if isinstance(stage, Operator))
+    is_numbered = source.is_files and not (has_own and (not kept or "row" in kept))
+    asked = [name for name in kept if name != "row"] or kept and ["xyz"] if is_numbered else kept
+    numbers = _row() if is_numbered else None
     with called(progress) as shown:
         results, has_rows, statistics = _core.run_to_blocks(
-            source.inputs, stages, kept, source.options, source.groups, numbers, shown, warn
+            source.inputs, stages, asked, source.options, source.groups, numbers, shown, warn
         )
-    if kept and has_rows and "row" not in kept:
+    if kept and "row" not in kept:
         kept.append("row")
-    return Chunks(results, has_rows, statistics, kept, block, source.crs)
+    return Chunks(results, has_rows, statistics, kept, block, source)
 
 
 class Reduction(MadeOfFunction):
@@ -141,6 +148,7 @@ class Reduction(MadeOfFunction):
         return f"<pointsweep.Reduction {getattr(self.function, '__name__', '')}>"
 
 
+@with_parentheses("start=0")
 def reduce(*, start: Any, keep: Any = None) -> Callable[[Callable[[Any, Arrays], Any]], Reduction]:
     """Turns a function over blocks of rows into a value of the whole cloud, computed in bounded memory.
 

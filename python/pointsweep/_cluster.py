@@ -21,7 +21,7 @@ from typing import Any
 
 from . import _core
 from ._errors import Error, UsageError, warn
-from ._part import DIVIDING, Done, Request, Round, Step, build, perform
+from ._part import DIVIDING, OF_FUNCTION, Done, Request, Round, Step, build, perform
 from ._scratch import Scratch
 from ._urls import absolute, state_of
 
@@ -113,6 +113,8 @@ def run_on_cluster(
             finished = True
             return run.statistics(time.perf_counter() - start)
     except OSError as error:
+        if getattr(error, OF_FUNCTION, False):
+            raise
         raise Error(
             f"{scratch}: {error.strerror or error}; the scratch has to stay where it is and to have room: mend that and give the"
             " same command, which goes on where this one was."
@@ -264,12 +266,13 @@ class _Run:
                     raise _scheduler_gone() from None
                 damaged = _damaged_by(error)
                 tries[tile] += 1
-                if isinstance(error, (Error, UsageError)) and damaged is None:
+                if damaged is None and not _may_pass(error):
                     raise
                 if tries[tile] >= _MOST_TRIES:
+                    is_lost = isinstance(error, MemoryError) or type(error).__name__ == "KilledWorker"
+                    remedy = "give workers more memory than memory= says, or look at their logs" if is_lost else "look at the logs of the workers"
                     raise Error(
-                        f"{self._path_of(number, tile)}: its task has failed {tries[tile]} times ({type(error).__name__}: {error}); give"
-                        " workers more memory than memory= says, or look at their logs."
+                        f"{self._path_of(number, tile)}: its task has failed {tries[tile]} times ({type(error).__name__}: {error}); {remedy}."
                     ) from None
                 if damaged is not None:
                     for other in running:
@@ -420,6 +423,14 @@ def _damaged_by(error: BaseException) -> tuple[int, int | None] | None:
     if len(parts) != 3 or not (parts[0].isdigit() and parts[1].isdigit()):
         return None
     return int(parts[0]), int(parts[1])
+
+
+def _may_pass(error: BaseException) -> bool:
+    """Returns whether a task may succeed when it is performed again: its worker has ended, or the error is one of the network, of
+    files or of Dask. Errors of the library, and exceptions of functions of the caller, come again."""
+    if getattr(error, OF_FUNCTION, False):
+        return False
+    return isinstance(error, (OSError, MemoryError)) or type(error).__module__.partition(".")[0] in ("distributed", "dask", "tornado")
 
 
 def _scheduler_gone() -> Error:

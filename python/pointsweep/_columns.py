@@ -15,13 +15,13 @@ from ._results import Arrays, Report
 from ._runs import performed
 from ._sources import every_array, numbers
 from ._stage_list import stages_of
-from ._types import Files, FunctionStage, Path, PipelineLike, ProgressCallback, RunOptions
+from ._types import Files, FilesWithColumns, FunctionStage, Path, PipelineLike, ProgressCallback, RunOptions
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 
-class CloudWithColumns:
+class CloudWithColumns(FilesWithColumns):
     """Point files with additional arrays; made with `Cloud.with_columns`. Arrays are not copied, so an array may be a `numpy.memmap`."""
 
     def __init__(self, cloud: Files, attributes: Mapping[str, np.dtype[Any]], columns: Mapping[str, Any]) -> None:
@@ -53,7 +53,7 @@ class CloudWithColumns:
         **options: Unpack[RunOptions],
     ) -> Arrays | Report:
         """Calls `pointsweep.run` on these files. Stages read the columns as attributes of the input."""
-        return self._performed(stages_of(pipeline), to, keep, progress, options)
+        return performed(self, stages_of(pipeline), to, keep, None, None, None, progress, options)
 
     @with_run_options
     def read(
@@ -65,7 +65,7 @@ class CloudWithColumns:
     ) -> Arrays:
         """Returns all points with their attributes and the columns, in a dict of arrays, like `Cloud.read`."""
         kept = every_array(self.attributes) if keep is None else keep
-        result = self._performed([], None, kept, progress, options)
+        result = performed(self, [], None, kept, None, None, None, progress, options)
         assert isinstance(result, Arrays)
         return result
 
@@ -80,7 +80,7 @@ class CloudWithColumns:
     ) -> Report:
         """Writes the points with the columns and all contents of the files, to a file, or to a folder with a file for each
         input."""
-        result = self._performed([], to, keep, progress, options)
+        result = performed(self, [], to, keep, None, None, None, progress, options)
         assert isinstance(result, Report)
         return result
 
@@ -90,25 +90,17 @@ class CloudWithColumns:
     def __repr__(self) -> str:
         return f"<pointsweep.CloudWithColumns: {', '.join(self.columns)} beside {self.cloud!r}>"
 
-    def _performed(
-        self,
-        stages: Sequence[str | FunctionStage],
-        to: Path | Sequence[Path] | None,
-        keep: Sequence[str] | str | None,
-        progress: ProgressCallback | bool | None,
-        options: RunOptions,
-    ) -> Arrays | Report:
+    def _checked_options(self, options: RunOptions, to_files: bool) -> RunOptions:
         if options.get("nonfinite") == "drop":
             raise UsageError(
                 "nonfinite: points that are dropped would give their rows of the columns to others; leave it out, and "
                 "such points with where(x - x == 0 and y - y == 0 and z - z == 0)."
             )
-        given = options
-        if to is not None:
-            named = options.get("replace")
-            replaced = [name for name in self.columns if name in self._attributes]
-            given = {**options, "replace": [*([named] if isinstance(named, str) else named or ()), *replaced]}
-        return performed(self.cloud, [self._stage(), *stages], to, keep, None, None, None, progress, given)
+        if not to_files:
+            return options
+        named = options.get("replace")
+        replaced = [name for name in self.columns if name in self._attributes]
+        return {**options, "replace": [*([named] if isinstance(named, str) else named or ()), *replaced]}
 
     def _stage(self) -> Operator:
         columns = self.columns

@@ -29,7 +29,9 @@ class PointsweepWarning(UserWarning):
 #: Python texts for flags of the tool, by flag. They take precedence over the names in `_core.run_options`.
 _OF_VERBS = {
     "force": "overwrite=True", "ignore-crs": "ignore_crs=True", "recursive": "recursive=True", "no-provenance": "provenance=False",
-    **{name: name for name in ("bins", "by", "columns", "depth", "format", "histogram", "keep", "resolution")},
+    "replace-crs": "replace_crs=True", "point-size": "point_size",
+    **{name: name for name in ("bins", "by", "columns", "crs", "depth", "format", "histogram", "keep", "resolution")},
+    **{name: name for name in ("background", "color", "size", "up", "view")},
 }  # fmt: skip
 
 
@@ -42,6 +44,11 @@ def keep_names_of_tool() -> None:
     _of_tool = True
 
 
+def _following(value: str | None) -> str:
+    """Returns the word after the name of an option: a placeholder, such as NAME, as its value; or the next word of the sentence."""
+    return "" if not value else f"={value}" if value.isupper() else f" {value}"
+
+
 def with_names_of_python(sentence: str) -> str:
     """Converts a sentence of the library, which names options like the command-line tool, to the names of this package."""
     if "--" not in sentence or _of_tool:
@@ -49,10 +56,16 @@ def with_names_of_python(sentence: str) -> str:
     of_runs = {flag.removeprefix("--"): (name, words) for name, (_, words, flag) in _core.run_options.items()}
     sentence = sentence.replace("--stats FILE", "report.statistics")
 
+    def replaced(option: re.Match[str]) -> str:
+        names = option[1].split(",")
+        return f"replace={(names if len(names) > 1 else names[0])!r}"
+
+    sentence = re.sub(r"--replace (\S+)(?=, or )", replaced, sentence)
+
     def named(option: re.Match[str]) -> str:
         text, flag, value = option[0], option[1], option[2]
         if flag in _OF_VERBS:
-            return _OF_VERBS[flag] + (f" {value}" if value else "")
+            return _OF_VERBS[flag] + _following(value)
         if flag not in of_runs:
             return text
         name, words = of_runs[flag]
@@ -60,7 +73,7 @@ def with_names_of_python(sentence: str) -> str:
             return f"{name}={value!r}"
         if value and re.fullmatch(r"[0-9.]+", value):
             return f"{name}={value}"
-        return f"{name} {value}" if value else name
+        return name + _following(value)
 
     return re.sub(r"--([a-z][a-z-]*)(?: ([\w]+(?:\.[0-9]+\w*)?))?", named, sentence)
 

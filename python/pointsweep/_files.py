@@ -270,7 +270,8 @@ def write(
 ) -> Report:
     """Writes points, in arrays or files as `run` takes them, with all their attributes to the file `to`.
 
-    ``ps.write("a.laz", {"xyz": xyz, "intensity": i}, crs=2154, scale=0.001)``. Takes the options of `run`.
+    ``ps.write("a.laz", {"xyz": xyz, "intensity": i}, crs=2154, scale=0.001)``. Takes the options of `run`. LAS and LAZ outputs
+    keep the scale and offset of a laspy object, and of arrays read from one LAS or LAZ file, if all coordinates lie on that grid.
     """
     result = performed(points, [], to, keep, None, attributes, crs, progress, options)
     assert isinstance(result, Report)

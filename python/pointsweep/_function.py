@@ -3,9 +3,30 @@
 
 from __future__ import annotations
 
+import functools
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
+
+from ._errors import UsageError
+
+_Decorator = TypeVar("_Decorator", bound=Callable[..., Any])
+
+
+def with_parentheses(example: str) -> Callable[[_Decorator], _Decorator]:
+    """Makes a decorator that is used without its parentheses raise UsageError. `example`: arguments for the error message."""
+
+    def wrapped(decorator: _Decorator) -> _Decorator:
+        @functools.wraps(decorator)
+        def checked(*arguments: Any, **options: Any) -> Any:
+            if arguments:
+                name = decorator.__name__
+                raise UsageError(f"{name}: its arguments have names; write @pointsweep.{name}({example}), with parentheses.")
+            return decorator(**options)
+
+        return checked  # type: ignore[return-value]
+
+    return wrapped
 
 
 class MadeOfFunction:
@@ -15,7 +36,10 @@ class MadeOfFunction:
     function: Callable[..., Any]
 
     def _takes_the_place_of(self, function: Callable[..., Any]) -> None:
+        if not callable(function):
+            raise UsageError(f"{type(self).__name__}: {function!r} is no function; decorate one.")
         self.function = function
+        self.__name__ = str(getattr(function, "__name__", type(function).__name__))
         self.__doc__ = getattr(function, "__doc__", None)
         self.__module__ = getattr(function, "__module__", None) or "__main__"
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ._errors import UsageError
-from ._function import MadeOfFunction
+from ._function import MadeOfFunction, with_parentheses
 from ._identity import Identity, identity_of
 from ._pipeline import Joinable
 from ._types import FunctionStage
@@ -145,7 +145,7 @@ class Operator(MadeOfFunction, Joinable, FunctionStage):
     ) -> None:
         self._takes_the_place_of(function)
         #: name in plans, errors and statistics
-        self.name: str = name or str(getattr(function, "__name__", type(function).__name__))
+        self.name: str = name or self.__name__
         self.reads = list(reads)
         self.reads_neighbors = list(reads_neighbors)
         #: False: the function reads only positions and attributes of the points, which needs no search
@@ -177,7 +177,7 @@ class Operator(MadeOfFunction, Joinable, FunctionStage):
         """Calls the function with a batch of points, for the extension module. Returns an (n, components) array for each made attribute."""
         result = self.function(Points(batch, self.reads, self.reads_neighbors))
         return [
-            self._checked(value, made, kind, batch.size)
+            self._checked(value, made, kind, batch)
             for (made, kind), value in zip(self.makes.items(), self._values(result))
         ]
 
@@ -194,17 +194,43 @@ class Operator(MadeOfFunction, Joinable, FunctionStage):
             )
         return values
 
-    def _checked(self, value: Any, made: str, kind: np.dtype[Any], n: int) -> np.ndarray:
+    def _checked(self, value: Any, made: str, kind: np.dtype[Any], batch: Any) -> np.ndarray:
         if np.ma.is_masked(value):
             raise UsageError(f"operator '{self.name}': returned masked values for '{made}'; fill them, e.g. with NaN.")
         array = np.asarray(value)
-        shape = (n, *kind.shape)
+        shape = (batch.size, *kind.shape)
         if array.shape != shape:
             what = "nothing" if value is None else f"an array of the shape {array.shape}"
             raise UsageError(f"operator '{self.name}': returned {what} for '{made}', but this batch needs {shape}.")
-        if array.dtype.kind == "O" or not np.can_cast(array.dtype, kind.base, "same_kind"):
-            raise UsageError(f"operator '{self.name}': returned {array.dtype} for '{made}', which makes {kind.base}.")
-        return np.ascontiguousarray(array, kind.base).reshape(n, kind.shape[0] if kind.shape else 1)
+        if array.dtype.kind not in ("biuf" if kind.base.kind == "f" else "biu"):
+            raise UsageError(
+                f"operator '{self.name}': returned {array.dtype} for '{made}', which makes {kind.base}; convert it, e.g. with .astype('{kind.base}')."
+            )
+        with np.errstate(over="ignore"):
+            result = np.ascontiguousarray(array, kind.base)
+        if not np.can_cast(array.dtype, kind.base, "safe"):
+            self._require_fit(array, result, made, batch)
+        return result.reshape(batch.size, kind.shape[0] if kind.shape else 1)
+
+    def _require_fit(self, array: np.ndarray, result: np.ndarray, made: str, batch: Any) -> None:
+        """Raises UsageError if an integer of `array` is outside the range of the type of `result`, the converted array, or if a
+        finite value has become infinite there."""
+        limits = ""
+        if result.dtype.kind == "f":
+            wrong = np.isinf(result)
+            wrong &= np.isfinite(array)
+        else:
+            least, most = np.iinfo(result.dtype).min, np.iinfo(result.dtype).max
+            if not array.size or (least <= int(array.min()) and int(array.max()) <= most):
+                return
+            wrong = (array < least) | (array > most)
+            limits = f", {least} to {most}"
+        if wrong.any():
+            first = tuple(np.argwhere(wrong)[0])
+            raise UsageError(
+                f"operator '{self.name}': row {batch.rows()[first[0]]}: {made} would be {array[first]}, which is not "
+                f"{result.dtype}{limits}; return other values, or name a larger type in makes."
+            )
 
 
 def _made_type(name: str, kind: Any) -> np.dtype[Any]:
@@ -250,6 +276,7 @@ class Select(Operator):
         return [mask.astype(np.uint8)[:, np.newaxis]]
 
 
+@with_parentheses("makes={'roughness': 'f4'}")
 def operator(
     *,
     makes: Mapping[str, Any],
@@ -263,7 +290,8 @@ def operator(
     Parameters
     ----------
     makes : name -> type of the returned arrays, e.g. ``{"roughness": "f4", "axis": ("f4", 3)}``.
-        ``("f8", 3)`` under the name ``position`` moves the points.
+        ``("f8", 3)`` under the name ``position`` moves the points. Arrays of other types are converted; a value that the
+        type does not hold raises UsageError with its row, and so do real numbers where integers are promised.
     reads : attributes of the points, from the input or made by earlier stages. Attributes of the input are passed as float64
         (64-bit integers unchanged), normals as float32.
     reads_neighbors : attributes of the neighbours, in the same types. Positions can always be read.
@@ -281,10 +309,10 @@ def operator(
     ...     d = p.neighbors_xyz - p.xyz[:, None]
     ...     return np.abs(np.einsum("nkj,nj->nk", d, p.normal)).mean(1)
     """
-    _require_lists(reads=reads, reads_neighbors=reads_neighbors)
+    read, read_of_neighbors = _names(reads=reads, reads_neighbors=reads_neighbors)
 
     def made(function: Callable[[Points], Any]) -> Operator:
-        result = Operator(function, reads, reads_neighbors, makes, name, neighbors)
+        result = Operator(function, read, read_of_neighbors, makes, name, neighbors)
         if not result.makes:
             raise UsageError(f"operator '{result.name}': makes nothing; name what it makes, e.g. makes={{'roughness': 'f4'}}.")
         return result
@@ -292,6 +320,7 @@ def operator(
     return made
 
 
+@with_parentheses("reads=['normal']")
 def select(*, reads: Sequence[str] = (), name: str | None = None) -> Callable[[Callable[[Points], Any]], Select]:
     """Makes a stage of a function that decides which points are kept. Later stages find neighbours among the kept points.
 
@@ -306,15 +335,19 @@ def select(*, reads: Sequence[str] = (), name: str | None = None) -> Callable[[C
     ... def flat(p):
     ...     return np.abs(p.normal[:, 2]) > 0.9
     """
-    _require_lists(reads=reads)
-    return lambda function: Select(function, reads, name)
+    (read,) = _names(reads=reads)
+    return lambda function: Select(function, read, name)
 
 
-def _require_lists(**options: Any) -> None:
+def _names(**options: Any) -> list[list[str]]:
+    """Returns the names in each option as a list. Raises UsageError if an option holds no names."""
+    lists = []
     for option, given in options.items():
         if isinstance(given, str):
             raise UsageError(f"{option}: give a list of names, [{given!r}].")
         if not isinstance(given, Iterable):
             raise UsageError(f"{option}: {given!r} is no list of names, such as ['normal'].")
-        if "" in given:
+        lists.append(list(given))
+        if "" in lists[-1]:
             raise UsageError(f"{option}: a name is empty; leave it out.")
+    return lists

@@ -196,11 +196,20 @@ def _text(name: str, value: Any) -> str:
     return word(name, value) if words else "" if value is None else _TEXTS[placeholder](name, value)
 
 
+def _suggestion(name: str) -> str:
+    """Returns a sentence that names the option nearest to `name`; an empty text if none is near."""
+    import difflib
+
+    known = [*RunOptions.__annotations__, "to", "keep", "out", "attributes", "crs", "progress", "client", "scratch", "take_over"]
+    near = difflib.get_close_matches(name, known, n=1)
+    return f" The nearest one is {near[0]!r}." if near else ""
+
+
 def run_options(**given: Any) -> dict[str, Any]:
     """Checks the options in `RunOptions` and returns each as a text, which is empty for the default; `ignore_crs` as a bool."""
     for name in given:
         if name not in RunOptions.__annotations__:
-            raise TypeError(f"{name!r} is not an option.")
+            raise TypeError(f"{name!r} is not an option.{_suggestion(name)}")
     values = {name: given.get(name, _PRESETS.get(name)) for name in RunOptions.__annotations__}
     axis, provenance, ignore_crs = values["axis"], values["provenance"], flag("ignore_crs", values.pop("ignore_crs"))
     if isinstance(axis, (int, np.integer)) and not isinstance(axis, bool) and axis in (0, 1, 2):

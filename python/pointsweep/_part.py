@@ -20,6 +20,8 @@ from ._urls import bytes_at, is_url, state_of
 
 _REMOTE_BYTES = 32 << 20  # memory for reading and writing objects of a bucket
 DIVIDING = ("cut", "gather")  #: kinds of the rounds that divide the points of all inputs among files
+#: attribute of exceptions that a function of the caller has raised in a worker
+OF_FUNCTION = "_pointsweep_of_function"
 _one_at_a_time = threading.Lock()  # a task may use all memory and all threads of its process
 
 
@@ -132,10 +134,15 @@ def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
     options["memory"] = f"{memory}B"
     with _one_at_a_time:
         start = time.perf_counter()
-        rows, own, swept, text = _core.perform_part(
-            objects, (paths, request.stages, request.keep, options, [request.outputs[output]], request.facts),
-            {**task, "other_file": other_file, "record": request.record, "after": left}, None,
-        )
+        try:
+            rows, own, swept, text = _core.perform_part(
+                objects, (paths, request.stages, request.keep, options, [request.outputs[output]], request.facts),
+                {**task, "other_file": other_file, "record": request.record, "after": left}, None,
+            )
+        except Exception as error:
+            if error.__traceback__ is not None and error.__traceback__.tb_next is not None:  # a frame of Python below this one
+                setattr(error, OF_FUNCTION, True)
+            raise
         seconds = time.perf_counter() - start
     counts = json.loads(text) if text else {}
     return Done(

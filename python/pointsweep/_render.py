@@ -89,6 +89,9 @@ def render(
     except (TypeError, ValueError):
         raise UsageError(f"size: {size!r} is not a pair of width and height in pixels, e.g. (1200, 900).") from None
     source = source_of(points, attributes, crs, run_options(ignore_crs=ignore_crs))
+    diameter = 0.0 if point_size is None else number("point_size", point_size)
+    if diameter <= 0 and point_size is not None:
+        raise UsageError(f"point_size: {point_size!r} is no diameter in pixels; give a number above 0, or leave the option out.")
     given = {
         **source.options,
         "color": "" if color is None else text("color", color),
@@ -96,7 +99,7 @@ def render(
         "up": text("up", up),
         "width": count("size", width, bits=32),
         "height": count("size", height, bits=32),
-        "point_size": 0.0 if point_size is None else number("point_size", point_size),
+        "point_size": diameter,
         "background": text("background", background),
         "legend": flag("legend", legend),
     }

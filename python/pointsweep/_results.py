@@ -18,6 +18,18 @@ if TYPE_CHECKING:
     import pyarrow
 
 
+#: key in the metadata of tables whose column 'row' holds numbers of input rows
+ROW_NUMBERS = "pointsweep.row"
+_MEANING_OF_ROW = "numbers of input rows"
+
+
+class Grid(NamedTuple):
+    """The grid of the coordinates in LAS files: coordinates are ``offset + integer * scale``."""
+
+    scale: tuple[float, float, float]
+    offset: tuple[float, float, float]
+
+
 class Neighbors(NamedTuple):
     """The k nearest neighbours of every point, the point itself excluded, nearest first.
 
@@ -103,6 +115,25 @@ class Arrays(dict):
     #: the coordinate system of the input of the run, as stated or given
     crs: Crs | None = None
     _components: Mapping[str, list[str]] = {}  # names of the components of arrays, as files have them
+    _grid: Grid | None = None  # steps and offsets of the coordinates in the LAS files that the points were read from
+
+    def copy(self) -> Arrays:
+        """Returns new `Arrays` with the same arrays, which are not copied, and the same report and coordinate system."""
+        return self | {}
+
+    def __or__(self, other: Mapping[str, Any]) -> Arrays:  # type: ignore[override]
+        """Returns new `Arrays` with the arrays of both; an array of `other` replaces one of the same name. The report and the
+        coordinate system are those of the left operand, or else of the right one."""
+        return _united(self, other) if isinstance(other, Mapping) else NotImplemented
+
+    def __ior__(self, other: Any) -> Arrays:  # type: ignore[misc]
+        if isinstance(other, Arrays):
+            self._components = {**self._components, **other._components}
+        self.update(other)
+        return self
+
+    def __ror__(self, other: Mapping[str, Any]) -> Arrays:  # type: ignore[override]
+        return _united(other, self) if isinstance(other, Mapping) else NotImplemented
 
     def columns(self) -> dict[str, np.ndarray]:
         """Returns an (n,) array for each component, under its name in files: x, y, z, nx, ny, nz, outlier, ..."""
@@ -129,7 +160,7 @@ class Arrays(dict):
         """Returns a pandas.DataFrame with a column for each of `columns()`."""
         import pandas
 
-        return pandas.DataFrame(self.columns(), copy=False)
+        return self._marked(pandas.DataFrame(self.columns(), copy=False))
 
     def to_geopandas(self) -> geopandas.GeoDataFrame:
         """Returns a geopandas.GeoDataFrame: points with heights from 'xyz', the other columns of `columns()`, and the
@@ -141,13 +172,20 @@ class Arrays(dict):
         x, y, z = self["xyz"].T
         flat = {name: values for name, values in self.columns().items() if name not in ("x", "y", "z")}
         points = geopandas.points_from_xy(x, y, z)
-        return geopandas.GeoDataFrame(flat, geometry=points, crs=self.crs)
+        return self._marked(geopandas.GeoDataFrame(flat, geometry=points, crs=self.crs))
 
     def to_arrow(self) -> pyarrow.Table:
         """Returns a pyarrow.Table with a column for each of `columns()`."""
         import pyarrow
 
-        return pyarrow.table({name: np.ascontiguousarray(values) for name, values in self.columns().items()})
+        columns = {name: np.ascontiguousarray(values) for name, values in self.columns().items()}
+        return pyarrow.table(columns, metadata={ROW_NUMBERS: _MEANING_OF_ROW} if "row" in self else None)
+
+    def _marked(self, frame: Any) -> Any:
+        """Returns the data frame with a note that its column 'row', if it has one, is not an attribute of the points."""
+        if "row" in self:
+            frame.attrs[ROW_NUMBERS] = _MEANING_OF_ROW
+        return frame
 
     def __repr__(self) -> str:
         n = len(next(iter(self.values()), ()))
@@ -159,6 +197,16 @@ class Arrays(dict):
         n = len(next(iter(self.values()), ()))
         rows = [(name, str(a.dtype), str(a.shape), *_least_and_greatest(a)) for name, a in self.items()]
         return html_table(f"{n:,} points", ("array", "type", "shape", "least", "greatest"), rows)
+
+
+def _united(left: Mapping[str, Any], right: Mapping[str, Any]) -> Arrays:
+    result = Arrays({**left, **right})
+    for operand in (right, left):
+        if isinstance(operand, Arrays):
+            known = {name: value for name, value in vars(operand).items() if value is not None}
+            result.__dict__.update(known)
+    result._components = {n: names for o in (left, right) if isinstance(o, Arrays) for n, names in o._components.items()}
+    return result
 
 
 def _least_and_greatest(values: np.ndarray) -> tuple[str, str]:
@@ -177,11 +225,12 @@ def arrays_of(
     statistics: str | None,
     keep: list[str] | None = None,
     crs: Crs | None = None,
+    grid: Grid | None = None,
 ) -> Arrays:
     """Makes the arrays, with the names of their components, in the order of `keep`, else in their own order."""
     result = Arrays({name: known[name][0] for name in keep or known})
     result._components = {name: components for name, (_, components) in known.items()}
-    result.crs = crs
+    result.crs, result._grid = crs, grid
     if statistics is not None:
         result.report = Report(statistics)
     return result

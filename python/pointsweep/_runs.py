@@ -13,12 +13,12 @@ import numpy as np
 from . import _core
 from ._errors import UsageError, warn
 from ._options import kept_names, path, refuse_options_of_files, run_options, with_run_options
-from ._outputs import outputs_of, outputs_to
+from ._outputs import on_grid, outputs_of, outputs_to, require_own_memory
 from ._progress import called
 from ._results import Arrays, Report, arrays_of
 from ._sources import source_of
-from ._stage_list import identified, stages_of
-from ._types import FunctionStage, Path, PipelineLike, PointOptions, ProgressCallback, RunOptions
+from ._stage_list import identified, read_by, refuse_made_xyz, stages_of
+from ._types import FilesWithColumns, FunctionStage, Path, PipelineLike, PointOptions, ProgressCallback, RunOptions
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -74,7 +74,7 @@ def run(
         attributes; a structured array, a table of pandas or pyarrow with columns x, y, z; a laspy.LasData or an open
         reader of laspy; a table of geopandas with points that have heights, or such columns; a point cloud of Open3D; an
         array on the CPU of any library with DLPack; an iterator of blocks of these, which are put in temporary files
-        first; a `Cloud`; or paths and URLs as `open` takes them.
+        first; the results of another run; a `Cloud`, also with columns; or paths and URLs as `open` takes them.
     pipeline : a text such as ``"knn(k=16) | normals | sor"`` (docs/pipelines.md), stages such as ``ps.knn(16)``, operators
         of your own, or these in a list or joined by ``|``; or the path of a text file.
     to : the file to write, a path or a URL whose name says the format; a folder, with a file for each input file; None:
@@ -83,7 +83,8 @@ def run(
         their order, also all attributes of the input and, for points in arrays, 'row', the number of the input row.
     out : contiguous arrays by name, to which the results of these names are written, of the types and shapes of the
         results, e.g. a `numpy.memmap` for results larger than memory. Their names are the default of `keep`. If the
-        pipeline drops rows, they have as many rows as the input, and each result is a view of the first rows.
+        pipeline drops rows, they have as many rows as the input, and each result is a view of the first rows. An array of
+        the input may be given; other arrays that share memory with the input, or with each other, are refused.
     attributes : more attributes of points in arrays, by name.
     crs : coordinate reference system of points in arrays, or of paths, which outputs state: an EPSG code, WKT, a file with
         WKT (.prj), a `pyproj.CRS`, or the `crs` of a cloud. `open` can also replace the system of files. Default: what a laspy.LasData, a laspy reader or a table of geopandas states.
@@ -159,6 +160,7 @@ def _spread(
     source = source_of(points, None, crs, run_options(**options))
     if not source.is_files:
         raise UsageError("client: is for files that all workers see; write the arrays to files first.")
+    kept = source.kept_fields(kept_names(keep))
     named = outputs_of(to, source)
     if isinstance(named, str) and not source.divides:
         raise UsageError("client: many processes write a file for each input; name a folder with to=.")
@@ -167,13 +169,17 @@ def _spread(
     cluster = importlib.import_module("pointsweep._cluster")  # imported here, since it is slow to load and other runs do not need it
     with called(progress) as shown:
         statistics = cluster.run_on_cluster(
-            workers.client, scratch, workers.take_over, source.inputs, stages, kept_names(keep), source.options, files, shown
+            workers.client, scratch, workers.take_over, source.inputs, stages, kept, source.options, files, shown
         )
     return _report_on(statistics, to, files)
 
 
 def _report_on(statistics: str, to: Path | Sequence[Path], files: str | list[str]) -> Report:
     return Report(statistics, os.fspath(to) if isinstance(to, (str, os.PathLike)) else f"{len(files)} files")
+
+
+def _may_make_row(stage: str | FunctionStage) -> bool:
+    return "row" in (stage if isinstance(stage, str) else getattr(stage, "makes", ()))
 
 
 def _first_rows(array: np.ndarray, rows: int) -> np.ndarray:
@@ -193,6 +199,11 @@ def performed(
     workers: Workers = Workers(),
 ) -> Arrays | Report:
     """Performs `run` for any `to`. Without stages the points are copied."""
+    if isinstance(points, FilesWithColumns):
+        if workers.client is not None:
+            raise UsageError("client: the columns are in the memory of this process; write them to files with write first.")
+        options = points._checked_options(options, to is not None)
+        stages, points = [points._stage(), *stages], points.cloud
     if workers.client is not None:
         if to is None or out is not None or attributes is not None:
             raise UsageError("client: many processes write a file for each input; name a folder with to=.")
@@ -201,22 +212,30 @@ def performed(
         raise UsageError("scratch: is for the workers of a client; name one with client=.")
     into = outputs_to(out)
     kept = kept_names(list(out) if keep is None and out else keep)
-    source = source_of(points, attributes, crs, run_options(**options))
+    source = source_of(points, attributes, crs, run_options(**options), read_by(stages))
     given = source.options
     if to is None:
         refuse_options_of_files(given, "name one with to=, or leave the option out")
         missing = [name for name in into if kept and name not in kept]
         if missing:
             raise UsageError(f"out: '{missing[0]}' is not among what keep names; name it there, too.")
+        require_own_memory(into, source)
+        source.require_clear(kept)
+        refuse_made_xyz(stages)
+        if source.is_files and "row" in kept and "row" not in source.fields and not any(_may_make_row(stage) for stage in stages):
+            raise UsageError("keep: 'row' is for points in arrays; chunks gives the numbers of the rows of files.")
         with called(progress) as shown:
             known, statistics = _core.run(source.inputs, stages, kept, given, source.groups, None, into, shown, warn)
         filled = {n: (_first_rows(out[n], known[n][0]), known[n][1]) for n in into if known}  # type: ignore[arg-type, index]
-        return arrays_of({**(known or {}), **filled}, statistics, kept, source.crs)
+        return arrays_of({**(known or {}), **filled}, statistics, kept, source.crs, source.grid)
     if into:
         raise UsageError("out: is for results in arrays; leave it out, or to=.")
     if given["resume"] and not source.is_files:
         raise UsageError("resume: is for files; arrays are gone when this process ends.")
     files = outputs_of(to, source)
+    kept = source.kept_fields(kept)
+    if not stages:
+        given = on_grid(source, files)
     stages = identified(stages, resumed=bool(given["resume"]))
     with called(progress) as shown:
         _, statistics = _core.run(source.inputs, stages, kept, given, source.groups, files, {}, shown, warn)
@@ -251,10 +270,14 @@ def plan(
     Reads a sample of the cloud and writes nothing. Raises the errors that the run would raise before its work. `to` is a file.
     """
     stages = stages_of(pipeline)
-    source = source_of(points, attributes, crs, run_options(**options))
+    if isinstance(points, FilesWithColumns):
+        options = points._checked_options(options, to is not None)
+        stages, points = [points._stage(), *stages], points.cloud
+    source = source_of(points, attributes, crs, run_options(**options), read_by(stages))
     file = "" if to is None else path("to", to)
     if not source.divides and (file.endswith(os.sep) or os.path.isdir(file or os.devnull)):
         raise UsageError(f"to: {file} is a folder; a plan is that of a run to one file, or one that divides its output.")
     if file and source.divides:
         file = str(outputs_of(file, source))
-    return Plan(_core.plan(source.inputs, stages, kept_names(keep), source.options, source.groups, file))
+    kept = kept_names(keep)
+    return Plan(_core.plan(source.inputs, stages, source.kept_fields(kept) if file else kept, source.options, source.groups, file))

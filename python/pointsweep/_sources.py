@@ -4,20 +4,23 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import struct
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from . import _core
-from ._adapters import arrays_by_name, crs_stated_by, from_dlpack
+from ._adapters import are_points, arrays_by_name, crs_stated_by, from_dlpack
 from ._blocks import spilled
 from ._crs import Crs, crs_of, given_or_stated
 from ._errors import UsageError, warn
 from ._options import flag, listed, path, way_of_reading
-from ._types import Files, Path
+from ._results import Arrays, Grid
+from ._types import Files, FilesWithColumns, Path
 
 _AXES = ("x", "y", "z")
+_GROUPS = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]  # names of arrays, and the fields that each consists of
 _LAS_BLOCK = 1 << 20  # points that laspy reads at once
 
 _Files = TypeVar("_Files", bound=Files)
@@ -27,10 +30,12 @@ class Source(NamedTuple):
     """The points of a run."""
 
     inputs: list[Any]  #: paths as str, or pairs (names of components, (n, m) array)
+    fields: list[str]  #: names of all components of the input
     groups: list[tuple[str, list[str]]]  #: names of arrays, and the components of the input that each consists of
     is_files: bool
     options: dict[str, Any]  #: options of the run and of opening files, and the coordinate system of arrays
     crs: Crs | None
+    grid: Grid | None = None  #: steps and offsets of the coordinates in a LAS file that the points come from; None if not known
     names: list[str] = []  #: names of the outputs of these files in a folder of outputs; empty for arrays
 
     @property
@@ -38,41 +43,53 @@ class Source(NamedTuple):
         """True if the run divides its output among files, which it names itself."""
         return bool(self.options["tile"] or self.options["split"])
 
+    def require_clear(self, keep: Iterable[str]) -> None:
+        """Raises UsageError if `keep` names 'xyz' and files have an attribute of this name beside x, y and z."""
+        if self.is_files and "xyz" in keep and "xyz" in self.fields:
+            raise UsageError(
+                "keep: the files have an attribute 'xyz', which is what results call the positions; rename it first with "
+                "run('set(w = xyz) | drop(xyz)', to=...), or keep 'x', 'y', 'z' and other attributes."
+            )
+
+    def kept_fields(self, keep: Iterable[str]) -> list[str]:
+        """Returns the names in `keep` with the components of each array of the input in place of its name, for outputs in files."""
+        there = {field.lower() for field in self.fields}
+        groups = {name: parts for name, parts in self.groups if {part.lower() for part in parts} <= there}
+        return [field for name in keep for field in groups.get(name, [name])]
+
     def array_names(self) -> list[str]:
         """Returns the names of all arrays that hold the points: groups whose components all exist, and other components."""
-        if self.is_files:
-            fields = [name for name, _, _ in _core.describe(self.inputs, self.options)["attributes"]]
-        else:
-            fields = [name for components, _ in self.inputs for name in components]
-        spelled = {field.lower(): field for field in fields}
+        fields = self.fields
+        spelled = {**{field.lower(): field for field in reversed(fields)}, **{field: field for field in fields}}
         there = {name: [spelled[part] for part in parts] for name, parts in self.groups if set(parts) <= spelled.keys()}
         grouped = {part for parts in there.values() for part in parts}
         return [*there, *(field for field in fields if field not in grouped)]
 
 
 def source_of(
-    points: Any, attributes: Mapping[str, Any] | None, crs: Any, options: Mapping[str, Any]
+    points: Any, attributes: Mapping[str, Any] | None, crs: Any, options: Mapping[str, Any], read: Set[str] = frozenset()
 ) -> Source:
     """Makes a source of `points` in any form that `pointsweep.run` accepts. `attributes`: more arrays, by name. `crs`:
-    the system of the points. `options`: options of the run. An iterator is spilled to a file."""
+    the system of the points. `options`: options of the run. `read`: names of arrays that operators of Python read; the
+    components of such an array are called name_0, name_1, ..., since operators find no others. An iterator is spilled to a file."""
+    _refuse_contents("points", points)
     if isinstance(points, (str, os.PathLike)) or _is_list_of_paths(points):
         points, crs = opened(Files, points, ignore_crs=options["ignore_crs"], crs=crs), None
+    if isinstance(points, FilesWithColumns):
+        raise UsageError("points: these files have columns, which only run, chunks and plan read; write both to a file first.")
     if isinstance(points, Files):
-        if attributes:
-            raise UsageError("attributes: is for points in arrays; add arrays to files with open(files).with_columns(name=array).")
-        if crs is not None:
-            raise UsageError("crs: these files are open; state their system in open(files, crs=...).")
-        groups = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]
-        ignores = {"ignore_crs": options["ignore_crs"] or points._options["ignore_crs"]}
-        crs_of_files = points._known["crs"]
-        stated = None if crs_of_files is None else Crs(crs_of_files)
-        return Source(list(points.files), groups, True, {**options, **points._options, **ignores}, stated, points._names)
+        return _source_of_files(points, attributes, crs, options)
+    if isinstance(points, (list, tuple)) and any(are_points(part) or isinstance(part, FilesWithColumns) for part in points[:2]):
+        raise UsageError(
+            f"points: a {type(points).__name__} of {len(points)} clouds is no cloud; join their arrays, give an iterator of them, "
+            "iter([a, b]), or open files together, open([a, b])."
+        )
     if hasattr(points, "chunk_iterator"):  # a reader of laspy
         points = points.chunk_iterator(_LAS_BLOCK)
-    stated = crs_stated_by(points)
     if isinstance(points, Iterator):
-        columns, of_blocks = spilled(points, _checked_arrays, crs_stated_by, options["temp_folder"] or None)
-        stated = stated or of_blocks
+        stated = Arrays()
+        stated.crs = crs_stated_by(points)
+        columns = stated | spilled(points, _checked_arrays, options["temp_folder"] or None)
     else:
         columns = arrays_by_name(points)
     if attributes is not None and not isinstance(attributes, Mapping):
@@ -81,7 +98,45 @@ def source_of(
         if name in columns:
             raise UsageError(f"attributes: '{name}' is among the points, too; give it once.")
         columns[name] = values
-    return _source_of_arrays(columns, given_or_stated(crs, stated), options)
+    columns.crs = given_or_stated(crs, columns.crs)
+    columns._components = {name: parts for name, parts in columns._components.items() if name not in read}
+    return _source_of_arrays(columns, options)
+
+
+def _source_of_files(files: Files, attributes: Mapping[str, Any] | None, crs: Any, options: Mapping[str, Any]) -> Source:
+    if attributes:
+        raise UsageError("attributes: is for points in arrays; add arrays to files with open(files).with_columns(name=array).")
+    if crs is not None:
+        raise UsageError("crs: these files are open; state their system in open(files, crs=...).")
+    fields = [name for name, _, _ in files._known["attributes"]]
+    ignores = {"ignore_crs": options["ignore_crs"] or files._options["ignore_crs"]}
+    crs_of_files = files._known["crs"]
+    stated = None if crs_of_files is None else Crs(crs_of_files)
+    given = {**options, **files._options, **ignores}
+    return Source(list(files.files), fields, _groups_beside(fields, _GROUPS), True, given, stated, _grid_of_file(files.files), files._names)
+
+
+def _groups_beside(fields: list[str], groups: list[tuple[str, list[str]]]) -> list[tuple[str, list[str]]]:
+    """Returns the groups, the last of each name, without those whose name is that of a field: the name means the field then."""
+    return [(name, parts) for name, parts in dict(groups).items() if name not in fields]
+
+
+def _grid_of_file(files: list[str]) -> Grid | None:
+    """Returns the grid in the header of one local LAS or LAZ file; None for anything else."""
+    if len(files) != 1 or not os.path.isfile(files[0]):
+        return None
+    with open(files[0], "rb") as file:
+        header = file.read(179)
+    if len(header) < 179 or not header.startswith(b"LASF"):
+        return None
+    numbers = struct.unpack_from("<6d", header, 131)
+    return Grid(numbers[:3], numbers[3:])
+
+
+def _refuse_contents(option: str, points: Any) -> None:
+    """Raises UsageError for bytes and open files, whose contents this package does not read."""
+    if isinstance(points, (bytes, bytearray)) or hasattr(points, "readline"):
+        raise UsageError(f"{option}: {type(points).__name__} is no path; give the path of the file, or write its content to a file.")
 
 
 def positions_of(option: str, points: Any, among: Source, ignore_crs: bool) -> np.ndarray:
@@ -119,10 +174,12 @@ def opened(
     replace_crs: bool = False,
 ) -> _Files:
     """Opens the point files that `files` means and reads their headers. The options are those of `pointsweep.open`."""
+    _refuse_contents("open", files)
     named = listed(files)
     if not named:
         raise UsageError("open: name at least one point file.")
     for file in named:
+        _refuse_contents("open", file)
         if not isinstance(file, (str, os.PathLike)):
             raise UsageError(f"open: {file!r} is not a path; arrays go to pointsweep.run at once.")
     format = way_of_reading(format, columns, depth, resolution)
@@ -144,7 +201,9 @@ def opened(
 
 def every_array(attributes: Iterable[str]) -> list[str]:
     """Returns the names of the arrays of all attributes of files: 'xyz' instead of x, y and z."""
-    return ["xyz", *(name for name in attributes if name.lower() not in _AXES)]
+    fields = list(attributes)
+    positions = [axis if axis in fields else next((f for f in fields if f.lower() == axis), axis) for axis in _AXES]
+    return ["xyz", *(name for name in fields if name not in positions)]
 
 
 def _with_small_axes(arrays: dict[str, Any]) -> dict[str, Any]:
@@ -160,17 +219,21 @@ def _is_list_of_paths(points: Any) -> bool:
     )
 
 
-def _checked_arrays(block: Any) -> dict[str, np.ndarray]:
+def _checked_arrays(block: Any) -> Arrays:
     """Returns the arrays of one block, whose columns must have the same length."""
-    arrays = {name: numbers(name, values) for name, values in arrays_by_name(block).items()}
-    _source_of_arrays(arrays, None, {})
+    _refuse_contents("points", block)
+    if isinstance(block, (Files, FilesWithColumns)):
+        raise UsageError("points: a block is a cloud of files; open all files together, open([a, b]).")
+    arrays = arrays_by_name(block)
+    arrays.update({name: numbers(name, values) for name, values in arrays.items()})
+    _source_of_arrays(arrays, {})
     return arrays
 
 
-def _source_of_arrays(arrays: dict[str, Any], crs: Crs | None, options: Mapping[str, Any]) -> Source:
-    arrays = _with_small_axes(arrays)
+def _source_of_arrays(named: Arrays, options: Mapping[str, Any]) -> Source:
+    arrays = _with_small_axes(named)
     columns: list[tuple[list[str], np.ndarray]] = []
-    groups = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]
+    groups = list(_GROUPS)
     if "xyz" in arrays:
         columns.append((list(_AXES), _positions(arrays["xyz"])))
     else:
@@ -187,13 +250,17 @@ def _source_of_arrays(arrays: dict[str, Any], crs: Crs | None, options: Mapping[
             continue
         column = _column(name, values)
         fields = _fields(name, column.shape[1], np.ndim(values) > 1)
+        known = named._components.get(name, [])
+        if len(known) == column.shape[1] and np.ndim(values) > 1 and not arrays.keys() & known:
+            fields = list(known)
         columns.append((fields, column))
         if fields != [name]:
             groups.append((name, fields))
     _require_equal_lengths(columns)
-    _require_different_names([field for fields, _ in columns for field in fields])
-    given = {**options, "format": "", "crs": None if crs is None else crs._known}
-    return Source(columns, list(dict(groups).items()), False, given, crs)
+    names = [field for fields, _ in columns for field in fields]
+    _require_different_names(names)
+    given = {**options, "format": "", "crs": None if named.crs is None else named.crs._known}
+    return Source(columns, names, _groups_beside(names, groups), False, given, named.crs, named._grid)
 
 
 def _fields(name: str, values: int, is_list: bool) -> list[str]:
@@ -214,7 +281,7 @@ def _require_different_names(fields: list[str]) -> None:
     if "" in fields:
         raise UsageError("an array has no name; give each attribute one.")
     if "row" in fields:
-        raise UsageError("'row' is what results call the numbers of input rows; give this attribute another name.")
+        raise UsageError("'row' is what results call the numbers of input rows; leave it out, or give this attribute another name.")
     for field in fields:
         if fields.count(field) > 1:
             raise UsageError(f"two arrays have components called '{field}'; give one of them another name.")

@@ -79,6 +79,10 @@ def makes_stage(function: _Function) -> _Function:
                 if not _is_matrix(value):
                     raise UsageError(f"{name}: {type(value).__name__} is no matrix of 4 rows of 4 numbers. {called}")
                 continue
+            if name == "bounds" and _are_corners(value):
+                raise UsageError(f"{name}: give the numbers one after another: (*low, *high) for the corners low and high.")
+            if name == "polygon" and are_points(value) and not isinstance(value, Files):
+                raise UsageError(f"{name}: this {type(value).__name__} is no polygon; give GeoJSON, WKT, a shape of shapely or a path.")
             if name in takes_files and not isinstance(value, Files) and are_points(value):
                 raise UsageError(f"{name}: {type(value).__name__} is not a path; write these points to a file. {called}")
             if name not in takes_files and are_points(value):
@@ -160,14 +164,25 @@ def _text_of(where: str, kind: str, value: Any) -> str:
     return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
+def _are_corners(value: Any) -> bool:
+    """Returns whether the value is a pair of corners with two or three coordinates each, such as `Cloud.bounds`."""
+    return isinstance(value, (list, tuple, np.ndarray)) and len(value) == 2 and all(np.size(corner) in (2, 3) for corner in value)
+
+
 def _is_shape(value: Any) -> bool:
-    """Returns whether the value is a geometry. Text, paths and arrays are not."""
-    return hasattr(value, "__geo_interface__")
+    """Returns whether the value is a geometry: an object with a geo interface, or GeoJSON as a dict. Text, paths and arrays are not."""
+    return hasattr(value, "__geo_interface__") or (isinstance(value, Mapping) and isinstance(value.get("type"), str))
 
 
 def _polygons_as_text(where: str, shape: Any) -> str:
     """Returns all polygons of `shape` as WKT, with unchanged x and y and without heights. Errors begin with `where`."""
-    polygons = list(_polygons_of(where, shape.__geo_interface__))
+    geometry = shape if isinstance(shape, Mapping) else shape.__geo_interface__
+    try:
+        polygons = list(_polygons_of(where, geometry))
+    except (KeyError, TypeError, ValueError) as error:
+        if isinstance(error, UsageError):
+            raise
+        raise UsageError(f"{where}: is no valid GeoJSON ({type(error).__name__}: {error}); give a 'type' with its 'coordinates'.") from None
     if not polygons:
         raise UsageError(f"{where}: there are no polygons in this {type(shape).__name__}; give one or more.")
     return f"MULTIPOLYGON ({', '.join(polygons)})"

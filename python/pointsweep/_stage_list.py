@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import copy
 import os
+import re
 
 from . import _core
 from ._errors import Error, UsageError
@@ -57,6 +58,19 @@ def canonical_stages(pipeline: PipelineLike) -> tuple[str, ...]:
         return tuple(_core.canonical_stages(stages))
     except Error:
         return tuple(stage if isinstance(stage, str) else f"{stage.name}({stage._digest})" for stage in stages)
+
+
+def read_by(stages: list[str | FunctionStage]) -> set[str]:
+    """Returns the names of the attributes that operators of Python among the stages read."""
+    lists = [getattr(stage, option, ()) for stage in stages for option in ("reads", "reads_neighbors")]
+    return {name for names in lists for name in names}
+
+
+def refuse_made_xyz(stages: list[str | FunctionStage]) -> None:
+    """Raises UsageError if a stage `set` makes an attribute 'xyz', which would hide the positions among the results in arrays."""
+    named = [stage for stage in stages if isinstance(stage, str) and "xyz" in stage]
+    if named and any(re.search(r'(^set\("|, )xyz = ', stage) for stage in canonical_stages(named)):
+        raise UsageError("set: 'xyz' is what results call the positions; assign to x, y and z, or to an attribute of another name.")
 
 
 def identified(stages: list[str | FunctionStage], resumed: bool) -> list[str | FunctionStage]:

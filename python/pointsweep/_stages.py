@@ -521,16 +521,17 @@ def assign(
 
     Formula
     -------
-    Numbers are evaluated in float64, as by where, and those of whole numbers of 64 bits exactly. A whole-number
-      type gets the nearest one, halves to even.
+    Numbers are evaluated in float64, as by where; an attribute of whole numbers of 64 bits, or a whole number, is
+      assigned exactly. A whole-number type gets the nearest one, halves to even.
     An attribute that exists keeps its type (one of the input gets the type of 'as' if no condition is given, and
       scaled numbers, as those of LAS, become float64), and its value where the condition does not hold; a new
       attribute is 0 there. Assigning to x, y or z moves the points.
 
     Undefined
     ---------
-    A value that the type cannot hold ends the run with an error that names the row, and so does a NaN or infinite
-    coordinate for a point that has a finite place. Points without a finite place are assigned to like all others.
+    A value that the type cannot hold ends the run with an error that names the row, and so do arithmetic with whole
+    numbers beyond 2^53 for a type of 64 bits, which float64 may round, and a NaN or infinite coordinate for a point
+    that has a finite place. Points without a finite place are assigned to like all others.
 
     Cost
     ----
@@ -895,13 +896,13 @@ def statistics(
 
     Formula
     -------
-    v_1, ..., v_n: the finite values of the attribute at the neighbours for which the condition holds, nearest
-      first. N_i never holds p_i.
+    v_1, ..., v_n: the finite values of the attribute at the neighbours for which the condition holds, in the order
+      of the search: nearest first where no stage has moved points since. N_i never holds p_i.
     mean:      v_1 + m, m = 1/n Σ (v_j - v_1)
     deviation: √(1/n Σ (v_j - v_1 - m)²), that of the whole population
     median:    the middle value; of an even number (a + b) / 2 of the two middle ones
     range:     max - min
-    majority:  the most frequent value; of several the one that the nearest neighbour has
+    majority:  the most frequent value; of several the one that comes first
     count:     n; without an attribute, the neighbours for which the condition holds
     Sums and differences are float64, and so are mean, deviation, median and range. min, max and majority have the
       type of the attribute, whole numbers of 64 bits are exact. count is uint32.
@@ -1218,7 +1219,7 @@ def simplify(error: float, *, most: float | None = None, least: float = 0) -> St
 
 @makes_stage
 def level() -> Stage:
-    """Gives each point the level of detail at which it is first drawn, as in a COPC file.
+    """Gives each point the level of detail at which it is first drawn, by the rule of COPC outputs.
 
     Makes
     -----
@@ -1226,8 +1227,10 @@ def level() -> Stage:
 
     Formula
     -------
-    Positions are rounded to steps of e / 2^30, e the widest extent; the cube of width w has its corner half a step
-      below the least coordinates. An octant with more than 100,000 points is divided, unless they lie at one place.
+    Positions are rounded to steps of e / 2^30, e the widest extent; the cube of width w = 1.125 e has its corner
+      half a step below the least coordinates. (A COPC output rounds to the steps of its coordinates, and its cube
+      is another one, so that its levels have other points.) An octant with more than 100,000 points is divided,
+      unless they lie at one place.
     Depth d takes all points of octants of depth d that are not divided. Then each divided octant of depth d, those
       of even numbers along x, y and z first, takes in the order of a hash of the rounded coordinates each point
       that is not nearer than s_d to a point taken before.

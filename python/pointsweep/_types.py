@@ -51,6 +51,25 @@ class Files:
         self._known = known  # facts in the headers, from the extension module
 
 
+class FilesWithColumns:
+    """Point files with additional arrays: a `CloudWithColumns`."""
+
+    cloud: Files
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """The types of the attributes of the files and of the arrays, by name."""
+        raise NotImplementedError
+
+    def _stage(self) -> FunctionStage:
+        """Returns the stage that makes attributes of the arrays."""
+        raise NotImplementedError
+
+    def _checked_options(self, options: RunOptions, to_files: bool) -> RunOptions:
+        """Returns the options of a run over the files that begins with `_stage`. Raises UsageError for those that do not fit."""
+        raise NotImplementedError
+
+
 class RunOptions(TypedDict, total=False):
     """The options of `pointsweep.run` that have the same meaning for all kinds of input and output."""
 

@@ -248,3 +248,73 @@ def test_degrees_have_no_distances_and_feet_convert_what_is_in_metres(surface):
     with pytest.warns(ps.PointsweepWarning, match=r"ground: the unit of the cloud is ft.*cell=3.281 \(1 m\)"):
         made = ps.run(surface / 0.3048, "ground", crs=feet)["classification"]
     assert made.tobytes() == ps.run(surface, "ground")["classification"].tobytes()
+
+
+def test_copies_and_unions_of_results_are_results(surface):
+    t = ps.run(surface, "knn(k=8) | normals | curvature", keep=["xyz", "k1_direction"], crs=25832)
+    other = ps.run(surface, "color(z)", keep=["color"])
+    label = np.arange(3000)
+    for made, names in [
+        (t.copy(), ["x", "y", "z", "k1_x", "k1_y", "k1_z"]),
+        (t | {"label": label}, ["x", "y", "z", "k1_x", "k1_y", "k1_z", "label"]),
+        ({"label": label} | t, ["label", "x", "y", "z", "k1_x", "k1_y", "k1_z"]),
+        (t | other, ["x", "y", "z", "k1_x", "k1_y", "k1_z", "red", "green", "blue"]),
+        (other | t, ["red", "green", "blue", "x", "y", "z", "k1_x", "k1_y", "k1_z"]),
+    ]:
+        assert isinstance(made, ps.Arrays) and list(made.columns()) == names
+        assert made.crs == t.crs and made.crs.epsg == 25832 and made.report is not None
+        assert made["xyz"] is t["xyz"]
+    grown = t.copy()
+    grown |= other
+    assert isinstance(grown, ps.Arrays) and list(grown.columns())[-3:] == ["red", "green", "blue"] and "color" not in t
+    with pytest.raises(TypeError):
+        t | 3
+
+
+def test_results_given_back_keep_the_names_of_components(surface, tmp_path):
+    curved = "knn(k=8) | normals | curvature | splats"
+    keep = ["xyz", "k1_direction", "normal_eigenvalues"]
+    t = ps.run(surface, curved, keep=keep) | ps.run(surface, "color(z)", keep=["color"])
+    names = list(t.columns())
+    ps.write(tmp_path / "a.ply", t)
+    ps.write(tmp_path / "b.ply", iter([t, t]))
+    ps.write(tmp_path / "c.ply", ps.chunks(t, 1000))
+    for name in "abc":
+        there = list(ps.open(tmp_path / f"{name}.ply").attributes)
+        assert [field for field in there if field != "row"] == names, name
+    assert {"k1_x", "red", "normal_eigenvalue_0"} <= set(names)
+    again = ps.run(t, "where(red >= 0)")
+    assert list(again) == [*t, "row"] and again["color"].tobytes() == t["color"].tobytes()
+    turned = ps.run(t, "transform([0,-1,0,0, 1,0,0,0, 0,0,1,0, 0,0,0,1])", keep=["k1_direction"])["k1_direction"]
+    np.testing.assert_allclose(turned, t["k1_direction"][:, [1, 0, 2]] * [-1, 1, 1], atol=1e-6)
+
+    @ps.operator(reads=["k1_direction"], makes={"copied": ("f8", 3)}, neighbors=False)
+    def copied(p):
+        return p.k1_direction
+
+    assert np.array_equal(ps.run(t, copied)["copied"], t["k1_direction"])
+    t["color"] = t["color"][:, :2]  # no longer what the run made
+    assert ps.run(t, "where(color_0 >= 0)")["color"].shape == (3000, 2)
+
+
+def test_out_may_be_the_input_itself_but_no_other_part_of_its_memory():
+    big = np.random.default_rng(3).random((60, 3))
+    xyz, turn = big[:50], "transform([0,-1,0,5, 1,0,0,6, 0,0,1,7, 0,0,0,1])"
+    expected = ps.run(xyz, turn)["xyz"]
+    with pytest.raises(ps.UsageError, match="out: 'xyz' shares memory with 'xyz' of the input; give a copy"):
+        ps.run(xyz, turn, out={"xyz": big[10:]})
+    weights = np.arange(120.0)
+    with pytest.raises(ps.UsageError, match="out: 'b' shares memory with 'a' of the input"):
+        ps.run({"xyz": xyz, "a": weights[::2][:50]}, "set(b = a + 1)", out={"b": weights[40:90]})
+    with pytest.raises(ps.UsageError, match="out: 'c' and 'b' share memory"):
+        ps.run({"xyz": xyz, "a": weights[:50]}, "set(b = a) | set(c = a)", out={"b": weights[60:110], "c": weights[61:111]})
+    counts = np.arange(50.0)
+    assert ps.run({"xyz": xyz, "a": counts}, "set(a = a + 1)", out={"a": counts})["a"] is counts
+    assert np.array_equal(counts, np.arange(50.0) + 1)
+    beside = np.empty((50, 2, 3))
+    beside[:, 0] = xyz
+    ps.run(beside[:, 0], turn, out={"xyz": big[:50]})
+    assert np.array_equal(big[:50], expected)
+    again = ps.run(beside[:, 0], turn)["xyz"]
+    own = np.ascontiguousarray(beside[:, 0])
+    assert ps.run(own, turn, out={"xyz": own})["xyz"] is own and np.array_equal(own, again)

@@ -215,3 +215,53 @@ def test_check_finds_what_is_no_pure_function(surface):
     assert ps.check(high, surface)
     with pytest.raises(ps.UsageError, match="give an operator"):
         ps.check(lambda p: p)
+
+
+@pytest.mark.filterwarnings("ignore:Dropped 3 points")
+def test_rows_are_counted_before_points_are_dropped_also_without_a_pipeline(surface, tmp_path):
+    xyz = surface.copy()
+    missing = [1, 700, 2999]
+    xyz[missing] = np.nan
+    ps.write(tmp_path / "a.ply", xyz)
+    left = np.delete(np.arange(3000), missing)
+    for points in (xyz, tmp_path / "a.ply"):
+        for keep in (None, "xyz", ["row"], ["row", "xyz"]):
+            together = joined(ps.chunks(points, 500, nonfinite="drop", keep=keep))
+            assert np.array_equal(together["row"], left), keep
+        assert np.array_equal(joined(ps.chunks(points, 500, keep=["row"]))["row"], np.arange(3000))
+
+
+def test_an_attribute_row_of_a_file_is_kept_and_leaves_its_name_only_if_not_wanted(tmp_path):
+    rows = [f"{i},{i % 3},{i % 2},{100 - i}" for i in range(10)]
+    (tmp_path / "a.csv").write_text("\n".join(["x,y,z,row", *rows]))
+    cloud = ps.open(tmp_path / "a.csv")
+    own, numbers = 100 - np.arange(10), np.arange(10)
+    for keep in (None, ["row"], ["row", "xyz"]):
+        assert np.array_equal(joined(cloud.chunks(3, keep=keep))["row"], own)
+        assert np.array_equal(joined(cloud.chunks(3, "where(x >= 4)", keep=keep))["row"], own[4:])
+    assert np.array_equal(joined(cloud.chunks(3, keep="xyz"))["row"], numbers)
+    assert np.array_equal(joined(cloud.chunks(3, "where(x >= 4)", keep="xyz"))["row"], numbers[4:])
+    assert np.array_equal(joined(cloud.chunks(3, "knn(k=3) | normals"))["row"], numbers)
+
+
+def test_blocks_of_files_with_columns(file):
+    label = np.arange(3000) * 7
+    cloud = ps.open(file).with_columns(label=label)
+    together = joined(ps.chunks(cloud, 700))
+    assert np.array_equal(together["label"], label) and np.array_equal(together["intensity"], np.arange(3000))
+    together = joined(ps.chunks(cloud, 700, "where(label >= 70)", keep="label"))
+    assert np.array_equal(together["row"], np.arange(10, 3000)) and np.array_equal(together["label"], label[10:])
+    with pytest.raises(ps.UsageError, match="would give their rows of the columns to others"):
+        ps.chunks(cloud, 700, nonfinite="drop")
+
+
+def test_a_reduction_has_the_name_of_its_function(surface):
+    @ps.reduce(start=0)
+    def number(n, block):
+        return n + len(block["row"])
+
+    assert number.__name__ == "number" and number(surface) == 3000
+    with pytest.raises(ps.UsageError, match="with parentheses"):
+        ps.reduce(lambda n, block: n)
+    with pytest.raises(ps.UsageError, match="5 is no function"):
+        ps.reduce(start=0)(5)

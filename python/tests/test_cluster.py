@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+import traceback
 import warnings
 from contextlib import contextmanager
 from pathlib import Path
@@ -448,3 +449,19 @@ def _remove(folder: Path) -> None:
     import shutil
 
     shutil.rmtree(folder)
+
+
+@pytest.mark.parametrize("error", [ValueError("too steep"), FileNotFoundError(2, "no table", "table.csv")])
+def test_an_exception_of_an_operator_is_raised_again_at_once(tiles: Path, tmp_path: Path, client: Any, error: Exception) -> None:
+    calls = tmp_path / "calls"
+
+    @ps.operator(makes={"slope": "f4"})
+    def slope(p: Any) -> Any:
+        with open(calls, "a") as file:
+            file.write(".")
+        raise error
+
+    with pytest.raises(type(error), match=error.args[-1]) as caught:
+        many(tiles, ps.knn(8) | slope, tmp_path / "many", client)
+    assert "in slope" in "".join(traceback.format_tb(caught.value.__traceback__))
+    assert len(calls.read_text()) <= 9, "a task was performed again"

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Wrong requests, interruptions, warnings."""
 
+import io
 import os
 import re
 import signal
@@ -140,9 +141,11 @@ def test_a_budget_that_is_too_small_says_what_would_do():
 def test_sentences_of_the_tool_name_the_options_of_the_package():
     named = _errors.with_names_of_python
     assert named("give --memory 29M or more.") == "give memory='29M' or more."
-    assert named("--nonfinite drop leaves out; --prefix NAME keeps") == "nonfinite='drop' leaves out; prefix NAME keeps"
+    assert named("--nonfinite drop leaves out; --prefix NAME keeps") == "nonfinite='drop' leaves out; prefix=NAME keeps"
     assert named("a folder with --temp-dir.") == "a folder with temp_folder." and named("a--b") == "a--b"
-    assert named("or allow it (--force), --size: 3") == "or allow it (overwrite=True), --size: 3"
+    assert named("or allow it (--force), --bogus: 3") == "or allow it (overwrite=True), --bogus: 3"
+    assert named("allow it with --replace a, or --prefix NAME") == "allow it with replace='a', or prefix=NAME"
+    assert named("allow it with --replace a,b, or so") == "allow it with replace=['a', 'b'], or so"
     assert named("--scale 0.01 or --positions float64.") == "scale=0.01 or positions='float64'."
     for name, (_, _, flag) in _core.run_options.items():
         if name not in ("engine", "overwrite", "no_provenance"):
@@ -328,3 +331,58 @@ def test_an_empty_keep_is_refused(tmp_path):
             with pytest.raises(ps.UsageError, match="keep: the list is empty; name what to keep, or"):
                 call(keep)
     assert os.listdir(tmp_path) == ["a.ply"]
+
+
+class Opened(io.BytesIO):
+    pass
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: ps.read(Opened(b"ply")), "open: Opened is no path; give the path of the file, or write"),
+        (lambda: ps.read(Opened()), "open: Opened is no path"),
+        (lambda: ps.run(Opened(b"ply"), "normals"), "points: Opened is no path"),
+        (lambda: ps.open(b"a.laz"), "open: bytes is no path"),
+        (lambda: ps.open([b"a.laz"]), "open: bytes is no path"),
+        (lambda: ps.run(b"a.laz", "normals"), "points: bytes is no path"),
+        (lambda: ps.run([{"xyz": XYZ}, {"xyz": XYZ}], "normals"), "points: a list of 2 clouds is no cloud; join"),
+        (lambda: ps.run([XYZ, XYZ[:5]], "normals"), "points: a list of 2 clouds is no cloud; join"),
+        (lambda: ps.run((XYZ, XYZ), "normals"), "points: a tuple of 2 clouds is no cloud; join"),
+        (lambda: ps.crop(polygon={"name": 1}), "polygon: this dict is no polygon; give GeoJSON"),
+        (lambda: ps.crop(polygon=[(0, 0), (1, 0), (1, 1)]), "polygon: this list is no polygon; give GeoJSON"),
+        (lambda: ps.crop(polygon={"type": "Polygon"}), "crop: polygon: is no valid GeoJSON"),
+        (lambda: ps.crop(((0, 0, 0), (1, 1, 1))), r"bounds: give the numbers one after another: \(\*low, \*high\)"),
+    ],
+)
+def test_what_is_no_cloud_and_no_path_is_refused_with_the_remedy(call, sentence):
+    with pytest.raises(ps.UsageError, match=sentence) as caught:
+        call()
+    assert "\\x" not in str(caught.value) and "0x" not in str(caught.value)
+
+
+def test_files_with_columns_are_run_by_every_function_or_refused_with_the_remedy(tmp_path):
+    ps.write(tmp_path / "a.ply", XYZ)
+    labelled = ps.open(tmp_path / "a.ply").with_columns(label=np.arange(1000))
+    expected = labelled.run("where(label > 3)")
+    for t in (ps.run(labelled, "where(label > 3)"), ps.where("label > 3")(labelled)):
+        assert t.keys() == expected.keys() and all(np.array_equal(t[name], expected[name]) for name in t)
+    assert ps.normals(labelled, 8).tobytes() == ps.normals(XYZ, 8).tobytes() and "pass 1" in ps.plan(labelled, "where(label > 3)")
+    ps.write(tmp_path / "b.ply", labelled)
+    assert np.array_equal(ps.read(tmp_path / "b.ply")["label"], np.arange(1000))
+    for call in (ps.render, ps.summary, lambda points: ps.neighbors(points, 3)):
+        with pytest.raises(ps.UsageError, match="these files have columns.*write both to a file first"):
+            call(labelled)
+
+
+def test_an_unknown_option_has_the_nearest_one_in_its_error():
+    for call in (lambda: ps.run(XYZ, "normals", memroy="1G"), lambda: ps.write("a.ply", XYZ, memroy="1G"), lambda: ps.knn(3)(XYZ, memroy="1G")):
+        with pytest.raises(TypeError, match="'memroy' is not an option. The nearest one is 'memory'."):
+            call()
+
+
+def test_the_error_about_replaced_attributes_names_arguments_of_python(tmp_path):
+    points = {"xyz": XYZ, "red": np.zeros(1000)}
+    with pytest.raises(ps.UsageError, match="allow it with replace='color', or rename the computed attributes with prefix=NAME") as caught:
+        ps.run(points, "color(z)", to=tmp_path / "a.ply")
+    assert "--" not in str(caught.value)

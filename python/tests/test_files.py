@@ -276,3 +276,65 @@ def test_columns_of_a_text_file_are_named(tmp_path):
         ps.open(file, columns=["x", "y"])
     with pytest.raises(ps.UsageError, match="leave all but one out"):
         ps.open(file, format="kitti", columns=named)
+
+
+def test_a_field_called_normal_is_an_attribute_of_its_own(tmp_path):
+    (tmp_path / "a.csv").write_text("x,y,z,normal\n" + "".join(f"{i},{i % 3},{i % 2},{7 * i}\n" for i in range(20)))
+    own = 7 * np.arange(20)
+    t = ps.read(tmp_path / "a.csv")
+    assert list(t) == ["xyz", "normal"] and np.array_equal(t["normal"], own)
+    assert np.array_equal(ps.run(tmp_path / "a.csv", "where(x > 4)", keep=["normal"])["normal"], own[5:])
+    assert np.array_equal(ps.run({"xyz": t["xyz"], "normal": own}, "where(x > 4)", keep=["normal"])["normal"], own[5:])
+    assert ps.normals(tmp_path / "a.csv", 4).shape == (20, 3)
+
+
+def test_a_field_called_xyz_is_refused_where_results_have_positions(tmp_path):
+    (tmp_path / "a.csv").write_text("x,y,z,xyz\n1,2,3,4\n5,6,7,8\n")
+    cloud = ps.open(tmp_path / "a.csv")
+    for call in (cloud.read, lambda: cloud.chunks(1), lambda: cloud.run("where(x > 0)", keep=["xyz"])):
+        with pytest.raises(ps.UsageError, match="the files have an attribute 'xyz', .* rename it first with"):
+            call()
+    cloud.run("set(w = xyz) | drop(xyz)", to=tmp_path / "b.ply")
+    t = ps.read(tmp_path / "b.ply")
+    assert np.array_equal(t["xyz"], [[1, 2, 3], [5, 6, 7]]) and np.array_equal(t["w"], [4, 8])
+
+
+def test_xyz_stands_for_the_positions_in_every_keep(tmp_path):
+    xyz = np.random.default_rng(1).random((30, 3))
+    points = {"xyz": xyz, "a": np.arange(30), "b": np.arange(30), "color": np.zeros((30, 3), "u1")}
+    ps.write(tmp_path / "in.ply", points)
+    for cloud in (points, tmp_path / "in.ply"):
+        for keep, there in [(["xyz", "a"], ["x", "y", "z", "a"]), ("xyz", ["x", "y", "z"])]:
+            ps.write(tmp_path / "out.ply", cloud, keep=keep, overwrite=True)
+            assert list(ps.open(tmp_path / "out.ply").attributes) == there
+        ps.run(cloud, "knn(k=4) | normals | curvature", to=tmp_path / "out.ply", keep=["xyz", "k1"], overwrite=True)
+        assert list(ps.open(tmp_path / "out.ply").attributes) == ["x", "y", "z", "k1"]
+        assert "k1" in ps.plan(cloud, "knn(k=4) | normals | curvature", to=tmp_path / "plan.ply", keep=["xyz", "k1"])
+    ps.write(tmp_path / "out.ply", points, keep=["color"], overwrite=True)
+    assert list(ps.open(tmp_path / "out.ply").attributes) == ["x", "y", "z", "color_0", "color_1", "color_2"]
+
+
+def test_row_numbers_of_files_are_in_blocks(tmp_path):
+    ps.generate("plane", 30, tmp_path / "a.ply")
+    with pytest.raises(ps.UsageError, match="keep: 'row' is for points in arrays; chunks gives"):
+        ps.run(tmp_path / "a.ply", "where(x > 0)", keep=["row"])
+
+
+def test_an_attribute_called_x_beside_the_coordinate_is_read(tmp_path):
+    (tmp_path / "a.csv").write_text("x,y,z,X,label,Label\n1,2,3,4,5,6\n7,8,9,10,11,12\n")
+    assert list(ps.read(tmp_path / "a.csv")) == ["xyz", "X", "label", "Label"]
+    assert list(next(ps.chunks(tmp_path / "a.csv", 2))) == ["xyz", "X", "label", "Label", "row"]
+
+
+def test_names_that_differ_only_in_case_are_two_attributes(tmp_path):
+    xyz = np.random.default_rng(1).random((30, 3))
+    points = {"xyz": xyz, "Label": np.arange(30), "label": 10 * np.arange(30), "X": np.arange(30) + 0.5}
+    ps.write(tmp_path / "a.ply", points)
+    for cloud in (points, tmp_path / "a.ply"):
+        for t in (
+            ps.run(cloud, "where(x >= 0)"),
+            ps.run(cloud, "unique", keep=["X", "label", "Label", "xyz"]),
+            next(ps.chunks(cloud, 30)),
+        ):
+            for name, values in points.items():
+                assert np.array_equal(t[name], values), name

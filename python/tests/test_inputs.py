@@ -212,3 +212,68 @@ def test_conditions_read_the_number_of_the_row(surface):
     assert np.array_equal(result["number"], numbers[200:300])
     with pytest.raises(ps.Error, match="an attribute is called 'row of the input'"):
         ps.run({"xyz": surface, "row of the input": numbers}, "where(row < 3)")
+
+
+def test_tables_of_results_are_given_back_without_their_row_numbers(surface, tmp_path):
+    pandas, _ = pytest.importorskip("pandas"), pytest.importorskip("pyarrow")
+    pytest.importorskip("geopandas")
+    t = ps.run(surface, "where(x > 431005)")
+    tables = [t.to_pandas(), t.to_pandas().query("x > 431005"), t.to_arrow(), t.to_arrow().to_batches()[0], t.to_geopandas()]
+    for table in tables:
+        again = ps.run(table, "where(x > 431006)")
+        assert np.array_equal(again["row"], np.flatnonzero(t["xyz"][:, 0] > 431006)), type(table)
+    ps.write(tmp_path / "a.laz", t.to_pandas())
+    assert "row" not in ps.open(tmp_path / "a.laz").attributes
+    own = pandas.DataFrame({"x": [1.0], "y": [2.0], "z": [3.0], "row": [4]})
+    for points in (own, t.to_structured()):
+        with pytest.raises(ps.UsageError, match="'row' is what results call the numbers of input rows; leave it out, or"):
+            ps.run(points, "where(x > 0)")
+
+
+def test_tables_of_which_two_columns_have_one_name_are_refused(surface):
+    pandas, pyarrow = pytest.importorskip("pandas"), pytest.importorskip("pyarrow")
+    frame = pandas.DataFrame(surface, columns=list("xyz"))
+    for table in (pandas.concat([frame, frame[["x"]]], axis=1), pyarrow.table([surface[:, 0]] * 4, names=["x", "y", "z", "x"])):
+        with pytest.raises(ps.UsageError, match="the table has two columns called 'x'; rename"):
+            ps.normals(table)
+
+
+def test_data_frames_of_dask_say_how_they_are_given(surface, expected):
+    dask, pandas = pytest.importorskip("dask.dataframe"), pytest.importorskip("pandas")
+    frame = dask.from_pandas(pandas.DataFrame(surface, columns=list("xyz")), npartitions=3)
+    with pytest.raises(ps.UsageError, match=r"give frame.compute\(\), or \(p.compute\(\) for p in frame.partitions\)"):
+        ps.normals(frame, 8)
+    assert ps.normals((p.compute() for p in frame.partitions), 8).tobytes() == expected.tobytes()
+
+
+def test_points_of_laspy_keep_their_grid_in_las(tmp_path):
+    laspy = pytest.importorskip("laspy")
+    header = laspy.LasHeader(point_format=6, version="1.4")
+    header.scales, header.offsets = [0.001, 0.001, 0.01], [500000.0005, 5400000, 100]
+    las = laspy.LasData(header)
+    integers = np.random.default_rng(2).integers(-50000, 50000, (3, 500))
+    las.X, las.Y, las.Z = integers
+    las.write(tmp_path / "in.las")
+
+    def grid_of(name):
+        read = laspy.read(tmp_path / name)
+        same = np.array_equal([read.X, read.Y, read.Z], integers)
+        return list(read.header.scales), list(read.header.offsets), same
+
+    grid = (list(header.scales), list(header.offsets), True)
+    arrays = ps.read(tmp_path / "in.las")
+    for points in (las, laspy.read(tmp_path / "in.las"), arrays, arrays.copy(), ps.chunks(tmp_path / "in.las", 200), iter([arrays])):
+        ps.write(tmp_path / "out.las", points, overwrite=True)
+        assert grid_of("out.las") == grid, type(points)
+    with laspy.open(tmp_path / "in.las") as reader:
+        ps.write(tmp_path / "out.las", reader, overwrite=True)
+    assert grid_of("out.las") == grid
+    with pytest.warns(ps.PointsweepWarning, match="rounded"):
+        ps.write(tmp_path / "coarse.las", las, scale=0.1)
+    assert grid_of("coarse.las")[0] == [0.1] * 3
+    moved = ps.read(tmp_path / "in.las")
+    moved["xyz"] = moved["xyz"] / 3  # no longer on the grid
+    ps.write(tmp_path / "moved.las", moved)
+    np.testing.assert_allclose(ps.read(tmp_path / "moved.las")["xyz"], moved["xyz"], rtol=0, atol=1e-6)
+    ps.write(tmp_path / "out.ply", las)
+    assert np.array_equal(ps.read(tmp_path / "out.ply")["xyz"], arrays["xyz"])

@@ -325,3 +325,72 @@ def test_a_batch_that_is_over_raises_one_error(surface):
 def test_xyz_is_not_the_name_of_an_attribute(surface):
     with pytest.raises(ps.UsageError, match="make 'position'"):
         ps.operator(makes={"xyz": ("f8", 3)})(lambda p: p.xyz)
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "words"),
+    [
+        ("i1", np.int64(300), "q would be 300, which is not int8, -128 to 127"),
+        ("i4", np.int64(3_000_000_000), "q would be 3000000000, which is not int32"),
+        ("u1", np.uint64(256), "q would be 256, which is not uint8, 0 to 255"),
+        ("u8", np.int8(-1), "q would be -1, which is not uint64"),
+        ("i8", np.uint64(2**63), "q would be 9223372036854775808, which is not int64"),
+        ("f4", np.float64(1e300), r"q would be 1e\+300, which is not float32"),
+        ("f4", np.float64(-1e39), r"q would be -1e\+39, which is not float32"),
+    ],
+)
+def test_a_value_that_the_promised_type_does_not_hold_is_refused_with_its_row(kind, value, words):
+    xyz = np.random.default_rng(1).random((3000, 3))
+
+    def some(p):
+        return np.where(p.rows == 233, value, value.dtype.type(1))
+
+    with pytest.raises(ps.UsageError, match=f"operator 'some': row 233: {words}"):
+        ps.run(xyz, ps.operator(makes={"q": kind}, neighbors=False)(some))
+
+    def pairs(p):
+        return np.stack([np.ones(len(p), value.dtype), some(p)], 1)
+
+    with pytest.raises(ps.UsageError, match=f"operator 'pairs': row 233: {words}"):
+        ps.run(xyz, ps.operator(makes={"q": (kind, 2)})(pairs))
+
+
+@pytest.mark.parametrize(
+    ("kind", "value"),
+    [
+        ("u1", np.int64(255)), ("i1", np.uint64(127)), ("u8", np.int64(2**62)), ("i8", np.uint64(2**63 - 1)), ("u2", np.True_), ("f8", np.int64(3)),
+        ("f4", np.float64(0.1)), ("f4", np.float64(np.inf)), ("f4", np.float64(np.nan)), ("f4", np.True_), ("f4", np.float16(0.5)),
+    ],
+)  # fmt: skip
+def test_a_value_that_the_promised_type_holds_is_taken_from_any_type(kind, value):
+    made = ps.run(np.random.default_rng(1).random((50, 3)), ps.operator(makes={"q": kind}, neighbors=False)(lambda p: np.full(len(p), value)))["q"]
+    assert made.dtype == kind and np.array_equal(made, np.full(50, value).astype(kind), equal_nan=True)
+
+
+def test_real_numbers_are_not_taken_for_integers(surface):
+    op = ps.operator(makes={"q": "i4"})(lambda p: np.ones(len(p)))
+    with pytest.raises(ps.UsageError, match=r"returned float64 for 'q', which makes int32; convert it, e.g. with .astype\('int32'\)"):
+        ps.run(surface, op)
+
+
+def test_decorators_are_told_from_functions_and_take_names_from_any_iterable(surface):
+    op = ps.operator(reads=(name for name in ["normal"]), makes={"up": "f4"})(lambda p: p.normal[:, 2])
+    assert op.reads == ["normal"] and ps.run(surface, "knn(k=8) | normals" | op)["up"].shape == (3000,)
+    assert ps.select(reads=iter(["normal"]))(len).reads == ["normal"]
+    assert op.__name__ == "<lambda>" and roughness.__name__ == "roughness"
+    for call, words in [
+        (lambda: ps.operator(len), r"operator: .* write @pointsweep.operator\(makes=.*with parentheses"),
+        (lambda: ps.select(len), r"write @pointsweep.select\(reads=.*with parentheses"),
+        (lambda: ps.operator(makes={"a": "f4"})(5), "5 is no function"),
+        (lambda: ps.select()("normals"), "'normals' is no function"),
+    ]:
+        with pytest.raises(ps.UsageError, match=words):
+            call()
+
+
+def test_set_makes_no_attribute_that_hides_the_positions(surface, tmp_path):
+    for stage in ("set(xyz = 0)", "set(x = 1, xyz = 2 where z > 0)", ps.assign("xyz = 3")):
+        for call in (lambda s: ps.run(surface, s), lambda s: ps.chunks(surface, 10, s), lambda s: ps.run(surface, [s, "where(x > 0)"])):
+            with pytest.raises(ps.UsageError, match="'xyz' is what results call the positions"):
+                call(stage)
+    assert list(ps.run(surface, "set(xyzw = 1)")) == ["xyzw"]

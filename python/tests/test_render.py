@@ -39,12 +39,14 @@ def test_a_picture_of_arrays_shows_their_attributes(tmp_path):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"size": 300}, "pair of width and height"),
-        ({"size": (8, 8)}, "16"),
-        ({"view": "sideways"}, "is not auto, front, top"),
-        ({"up": "w"}, "is not auto, x, y, z"),
-        ({"background": "green"}, "is not white, black or RRGGBB"),
-        ({"color": "labels"}, "labels"),
+        ({"size": 300}, "^size: 300 is not a pair of width and height"),
+        ({"size": (8, 8)}, "^size: 8x8 is no size of a picture; each side is 16"),
+        ({"view": "sideways"}, "^view: 'sideways' is not auto, front, top"),
+        ({"up": "w"}, "^up: 'w' is not auto, x, y, z"),
+        ({"background": "green"}, "^background: 'green' is not white, black or RRGGBB"),
+        ({"color": "labels"}, "^color: .*'labels'"),
+        ({"point_size": 0}, "^point_size: 0 is no diameter in pixels; give a number above 0"),
+        ({"point_size": -1}, "^point_size: -1 is no diameter"),
     ],
 )
 def test_what_is_wrong_is_said(options, words):

@@ -184,3 +184,12 @@ def test_transform_refuses_what_is_no_matrix():
     ]:
         with pytest.raises((ps.UsageError, ps.Error), match=words):
             ps.run(np.random.default_rng(1).random((9, 3)), ps.transform(wrong))
+
+
+def test_a_polygon_is_geojson_as_a_dict(surface):
+    square = [[431002, 5410002], [431006, 5410002], [431006, 5410006], [431002, 5410006], [431002, 5410002]]
+    polygon = {"type": "Polygon", "coordinates": [square]}
+    expected = ps.crop((431002, 5410002, 431006, 5410006))(surface)["row"]
+    assert 0 < len(expected) < 3000
+    for shape in (polygon, {"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {}, "geometry": polygon}]}):
+        assert np.array_equal(ps.crop(polygon=shape)(surface)["row"], expected)

@@ -2,6 +2,8 @@
 """The threads that call operators: each keeps its `threading.local` values for the length of a run, and no longer."""
 
 import gc
+import subprocess
+import sys
 import threading
 import weakref
 
@@ -112,3 +114,20 @@ def test_pyproj_transforms_points_in_all_threads():
     xyz = XYZ * 1000 + [500000, 5400000, 0]
     expected = np.column_stack(to_degrees.transform(xyz[:, 0], xyz[:, 1]))
     assert np.array_equal(ps.run(xyz, degrees, threads=2)["degrees"], expected)
+
+
+def test_a_run_in_a_daemon_thread_does_not_abort_the_process_at_its_end():
+    program = """
+import threading, time
+import numpy as np
+import pointsweep as ps
+xyz = np.random.default_rng(1).random((2_000_000, 3))
+def go():
+    while True:
+        ps.normals(xyz, k=32)
+threading.Thread(target=go, daemon=True).start()
+time.sleep(0.5)
+"""
+    for _ in range(3):
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr

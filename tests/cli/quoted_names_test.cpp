@@ -43,6 +43,13 @@ TEST_F(QuotedNames, AreAssigned) {
             "x,y,z,Pulse_width,a_b,c__(d,new_=_1\n0,0,0,14,0,7,1\n1,0,1,14,2,7,3\n2,0,2,2,4,7,5\n");
 }
 
+TEST_F(QuotedNames, AreDroppedAndKept) {
+  EXPECT_EQ(rows_of("drop(`Pulse width`, `c, (d`) | where(x < 1 and y < 2)").substr(0, 22), "x,y,z,a_b\n0,0,0,0\n0,1,");
+  EXPECT_EQ(made("convert in.csv kept.csv --keep 'Pulse width'", "kept.csv").substr(0, 18), "x,y,z,Pulse_width\n");
+  refused(2, "run in.csv out.csv -f --pipeline 'drop(Puls)'", "the input has x, y, z, Pulse width, a|b, c, (d");
+  refused(2, "split in.csv parts --by 'Pulse width'", "set(part = floor(`Pulse width`), as=int32)");
+}
+
 TEST_F(QuotedNames, AreColoredAndCounted) {
   const std::string colored = rows_of("color(by=\"Pulse width\")");
   EXPECT_EQ(rows_of("color(`Pulse width`)"), colored);

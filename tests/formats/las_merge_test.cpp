@@ -197,7 +197,7 @@ TEST(LasMerge, GridsWithoutCommonStepsAreRoundedToTheFinestScaleWithAWarning) {
   const Decoded out = decoded(folder / "out.las");
   EXPECT_EQ(out.format(), 3);
   for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_EQ(out.scale(axis), 0.003);
-  EXPECT_TRUE(contains(warnings, "rounded to the finest scale among them, 0.003"));
+  EXPECT_TRUE(contains(warnings, "rounded to steps of 0.003"));
   expect_points({first, second}, out, 0.0015 + 1e-9);
 }
 

@@ -8,11 +8,9 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -140,7 +138,7 @@ struct OperatorDeclaration {
   std::string example = {};                    ///< a complete pipeline
 };
 
-/// Splits "a,b" into {"a", "b"}: the words of an option of the kind `names`.
+/// Splits "a,b" into {"a", "b"}: the words of an option of the kind `names`. A word between backquotes may have commas.
 POINTSWEEP_EXPORT std::vector<std::string> words_of(std::string_view list);
 /// Parses "1,2.5" to {1, 2.5}: an option of the kind `numbers`. Returns an empty list if a word is no finite number.
 POINTSWEEP_EXPORT std::vector<double> numbers_of(std::string_view list);

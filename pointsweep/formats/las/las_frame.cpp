@@ -22,8 +22,6 @@ constexpr std::byte kCompressedBit{0x80};
 constexpr std::size_t kRowsAtOnce = 256;
 /// Number of rows that a thread encodes at a time.
 constexpr std::size_t kTaskRows = 4096;
-/// Byte 14 of the record of a point that is return 1 of 1: in point formats 0 to 5, and in 6 to 10.
-constexpr std::byte kOnlyLegacyReturn{0x09}, kOnlyReturn{0x11};
 /// Byte offsets of the flags and the class in records of point formats 6 to 10.
 constexpr std::size_t kFlagsAt = 15, kClassAt = 16;
 constexpr std::byte kOverlapFlag{0x08}, kOverlapClass{12};
@@ -155,18 +153,17 @@ LasEncoder::LasEncoder(const LasLayout& layout, std::string path)
       stride_out_(layout.to.stride),
       fitting_scale_(layout.fitting_scale),
       positions_change_(layout.positions_change),
-      returns_missing_(layout.returns_missing),
       overlap_by_class_(layout.overlap_by_class),
       moved_(layout.points_moved),
-      notes_rounding_(layout.grid_is_stated || (layout.points_moved && layout.keeps_scale)),
-      only_return_(layout.header.point_format >= 6 ? kOnlyReturn : kOnlyLegacyReturn),
+      notes_rounding_(layout.grid_is_stated || layout.grid_is_coarse || (layout.points_moved && layout.keeps_scale)),
+      missing_returns_(layout.missing_returns),
       path_(std::move(path)) {}
 
 void LasEncoder::run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) const {
   if (positions_change_) check_positions(row, from, count);
   conversion_.run(from, to, count);
-  if (returns_missing_)
-    for (std::size_t i = 0; i < count; ++i) to[i * stride_out_ + kLasReturnByte] = only_return_;
+  if (missing_returns_ != std::byte{0})
+    for (std::size_t i = 0; i < count; ++i) to[i * stride_out_ + kLasReturnByte] |= missing_returns_;
   if (overlap_by_class_)
     for (std::byte* record = to; record < to + count * stride_out_; record += stride_out_)
       if (record[kClassAt] == kOverlapClass) record[kFlagsAt] |= kOverlapFlag;

@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -90,7 +89,7 @@ class LasEncoder {
 
   /// Returns whether the incoming records have the bytes of the records in the file.
   bool is_identity() const {
-    return conversion_.is_identity() && !positions_change_ && !returns_missing_ && !overlap_by_class_;
+    return conversion_.is_identity() && !positions_change_ && missing_returns_ == std::byte{0} && !overlap_by_class_;
   }
   std::size_t record_bytes_in() const { return stride_in_; }
   std::size_t record_bytes_out() const { return stride_out_; }
@@ -99,8 +98,8 @@ class LasEncoder {
   /// cannot hold: NaN, infinite, or too far from the offset.
   void run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) const;
 
-  /// Returns a warning if coordinates were rounded to a grid that the user has stated, or if coordinates that stages
-  /// have moved were rounded to the grid of the input; else an empty text.
+  /// Returns a warning if coordinates were rounded to a grid that the user has stated or that is coarse, or if
+  /// coordinates that stages have moved were rounded to the grid of the input; else an empty text.
   std::string rounding() const;
 
  private:
@@ -112,9 +111,9 @@ class LasEncoder {
   Vec3 scale_, offset_;
   std::size_t stride_in_, stride_out_;
   std::optional<Vec3> fitting_scale_;
-  bool positions_change_, returns_missing_, overlap_by_class_, moved_, notes_rounding_;
+  bool positions_change_, overlap_by_class_, moved_, notes_rounding_;
   mutable std::atomic<bool> rounds_ = false;  ///< true if a coordinate was not on the grid
-  std::byte only_return_;
+  std::byte missing_returns_;
   std::string path_;
 };
 

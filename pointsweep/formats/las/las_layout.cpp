@@ -26,6 +26,7 @@ bool same_encoding(const Field& a, const Field& b) {
 
 /// Bytes of x, y and z, with which a record of LAS begins.
 constexpr std::uint32_t kLasPositionBytes = 12;
+constexpr double kFineStep = 0.001;  ///< in metres, less than the error of most scanners
 
 /// Returns the bytes of the first three fields.
 std::uint32_t position_bytes(const Schema& schema) {
@@ -234,13 +235,16 @@ class Builder {
     const Schema source = in_sixteen_bits(format);
     for (const Field& target : format.fields) {
       const auto at = schema.find(target.name);
-      if (!at || schema.fields[*at].count != 1) continue;
+      if (!at || schema.fields[*at].count != 1) {
+        if (target.name == "return_number" || target.name == "number_of_returns")
+          layout_.missing_returns |= std::byte{1} << target.bit_shift;
+        continue;
+      }
       connect(source.fields[*at], target);
       stored[*at] = true;
       if (!is_position_field(target.name) && !las_field_holds(target, schema.fields[*at], ranges[*at]))
         inexact.push_back(*at);
     }
-    layout_.returns_missing = !schema.find("return_number");
     layout_.overlap_by_class = plan_.las && plan_.las->overlap_is_class_12 && !schema.find("overlap") &&
                                schema.find("classification") && header.point_format >= kFirstModernLasFormat;
     std::vector<std::string> without_field;
@@ -364,13 +368,17 @@ class Builder {
       const LasQuantization& grid = *plan_.values->grid;
       layout_.keeps_scale = true;
       set_grid(layout_.points_moved ? las_grid_for_moved(grid, *plan_.bounds) : las_grid_within(grid, *plan_.bounds));
+      for (int axis = 0; axis < 3; ++axis)
+        layout_.grid_is_coarse |= header.scale[axis] > grid.scale[axis] && !plan_.values->rounds;
       if (plan_.values->rounds)
-        layout_.warnings.push_back(
-            fmt::format("{}: the scales and offsets of the inputs have no common grid; coordinates are rounded to the "
-                        "finest scale among them, {} {} {}.",
-                        plan_.path.string(), header.scale.x, header.scale.y, header.scale.z));
+        layout_.warnings.push_back(fmt::format(
+            "{}: the scales and offsets of the inputs have no common grid that reaches all points; coordinates are "
+            "rounded to steps of {} {} {}.",
+            plan_.path.string(), header.scale.x, header.scale.y, header.scale.z));
     } else if (plan_.bounds) {
       set_grid(las_quantization(*plan_.bounds));
+      const Vec3& scale = header.scale;
+      layout_.grid_is_coarse = std::max({scale.x, scale.y, scale.z}) > kFineStep;
     } else if (input_ == nullptr && plan_.count != 0) {
       fail(
           "{}: LAS stores coordinates as integers and needs their bounds before the first point; give the bounds, or "

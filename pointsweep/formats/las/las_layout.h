@@ -46,14 +46,18 @@ struct LasLayout {
 
   /// Two schemas of equally many fields: field i of the incoming records is stored in field i of the file's records.
   Schema from, to;
-  Field x, y, z;                      ///< the coordinates, as fields of `from`
-  bool positions_change = false;      ///< coordinates are rounded to the grid, which must reach them
-  bool points_moved = false;          ///< stages of the run changed the coordinates
-  bool keeps_scale = false;           ///< real coordinates are stored on KnownValues::grid
-  bool grid_is_stated = false;        ///< coordinates are rounded to a grid that the user states
+  Field x, y, z;                  ///< the coordinates, as fields of `from`
+  bool positions_change = false;  ///< coordinates are rounded to the grid, which must reach them
+  bool points_moved = false;      ///< stages of the run changed the coordinates
+  bool keeps_scale = false;       ///< real coordinates are stored on KnownValues::grid
+  bool grid_is_stated = false;    ///< coordinates are rounded to a grid that the user states
+  /// The grid chosen for real coordinates has longer steps than their decimals, or than 0.001.
+  bool grid_is_coarse = false;
   std::optional<Vec3> fitting_scale;  ///< scales at which 32 bits hold all coordinates; none if the bounds are unknown
-  bool returns_missing = false;       ///< records have no return numbers: every point becomes return 1 of 1
-  bool overlap_by_class = false;      ///< records have no overlap flags: points of class 12 (overlap) get the flag
+  /// Bits of the byte kLasReturnByte that each record gets: a return number and a number of returns of 1, where the
+  /// records have no such field.
+  std::byte missing_returns{0};
+  bool overlap_by_class = false;  ///< records have no overlap flags: points of class 12 (overlap) get the flag
 
   /// Returns the byte after `count` uncompressed points.
   std::uint64_t points_end(std::uint64_t count) const;

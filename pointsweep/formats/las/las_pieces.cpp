@@ -60,6 +60,11 @@ class PiecePlacer {
     if (input_ != nullptr) {
       move_reference(header.evlr_start);
       move_reference(header.waveform_start);
+      // In LAS 1.3, waveforms are the only extended VLR, which only LAS 1.4 counts.
+      if (header.minor >= 4 && header.evlr_count == 0 && header.waveform_start >= layout_.points_end(plan_.count)) {
+        header.evlr_count = 1;
+        header.evlr_start = header.waveform_start;
+      }
     }
     if (points_ == LasPoints::nodes) add_hierarchy();
   }

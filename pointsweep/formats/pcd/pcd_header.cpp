@@ -129,13 +129,12 @@ Schema PcdHeader::schema() const {
   for (const PcdField& field : fields) {
     if (field.name == "_" || field.count == 0) continue;
     if ((field.name == "rgb" || field.name == "rgba") && field.bytes() == 4) {
-      // The bytes of the word, from the highest on, are alpha (unused in rgb), red, green and blue.
-      const auto part = [&](const char* name, std::uint8_t shift) {
-        schema.fields.push_back(
-            {.name = name, .type = Type::u32, .offset = field.offset, .bit_shift = shift, .bit_width = 8});
+      // The bytes of the word, from the lowest on, are blue, green, red and alpha (unused in rgb).
+      const auto part = [&](const char* name, std::uint32_t byte) {
+        schema.fields.push_back({.name = name, .type = Type::u8, .offset = field.offset + byte});
       };
-      part("red", 16), part("green", 8), part("blue", 0);
-      if (field.name == "rgba") part("alpha", 24);
+      part("red", 2), part("green", 1), part("blue", 0);
+      if (field.name == "rgba") part("alpha", 3);
       continue;
     }
     schema.fields.push_back({.name = field.name, .type = field.type, .offset = field.offset, .count = field.count});

@@ -56,15 +56,12 @@ std::vector<std::size_t> byte_colors(const Schema& schema) {
   return found;
 }
 
-/// Packs colours into one word: blue in its lowest byte, alpha in its highest.
+/// Packs colours into one word: blue in its lowest byte, then green, red and alpha.
 void pack_colors(const Schema& schema, const std::vector<std::size_t>& colors, PcdLayout& layout) {
-  constexpr std::array<std::uint8_t, 4> kShifts{16, 8, 0, 24};
+  constexpr std::array<std::uint32_t, 4> kBytes{2, 1, 0, 3};
   for (std::size_t c = 0; c < colors.size(); ++c)
-    layout.stored.fields.push_back({.name = schema.fields[colors[c]].name,
-                                    .type = Type::u32,
-                                    .offset = layout.stored.stride,
-                                    .bit_shift = kShifts[c],
-                                    .bit_width = 8});
+    layout.stored.fields.push_back(
+        {.name = schema.fields[colors[c]].name, .type = Type::u8, .offset = layout.stored.stride + kBytes[c]});
   layout.stored.stride += 4;
   colors.size() == 4 ? layout.describe("rgba", 4, 'U', 1) : layout.describe("rgb", 4, 'F', 1);
 }

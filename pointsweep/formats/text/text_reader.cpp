@@ -35,7 +35,10 @@ class TextLineParser final : public LineParser {
     split_cells(line, layout_.separator, cells_);
     const std::size_t columns = layout_.names.size();
     // split_cells() drops an empty last cell, which looks like a trailing separator.
-    if (cells_.size() + 1 == columns && layout_.separator != Separator::space) cells_.emplace_back();
+    const std::size_t end = line.find_last_not_of(" \t\r\n");
+    if (cells_.size() + 1 == columns && layout_.separator != Separator::space && end != line.npos &&
+        line[end] == static_cast<char>(layout_.separator))
+      cells_.emplace_back();
     if (cells_.size() != columns) {
       fail("{}: line {} has {} values where {} are expected ({}); correct the line.", path_.string(), number,
            cells_.size(), columns,

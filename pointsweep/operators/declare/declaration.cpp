@@ -146,11 +146,15 @@ const OptionValue* OptionValues::find(std::string_view name) const {
 }
 
 std::vector<std::string> words_of(std::string_view list) {
-  std::vector<std::string> words;
-  for (std::size_t begin = 0; begin <= list.size();) {
-    const std::size_t end = std::min(list.find(',', begin), list.size());
-    words.emplace_back(list.substr(begin, end - begin));
-    begin = end + 1;
+  std::vector<std::string> words(1);
+  bool is_quoted = false;
+  for (const char c : list) {
+    if (c == '`')
+      is_quoted = !is_quoted;
+    else if (c == ',' && !is_quoted)
+      words.emplace_back();
+    else
+      words.back() += c;
   }
   return words;
 }

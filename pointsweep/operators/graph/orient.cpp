@@ -250,31 +250,33 @@ class OrientedNormals final : public CompositeOperator {
 }  // namespace
 
 OperatorDeclaration orient_declaration() {
-  return {.name = "orient",
-          .meaning = "gives the normals of each connected surface consistent signs, by a minimum spanning forest",
-          .options = orient_options().declarations(),
-          .make = orient_options().maker<OrientedNormals>(),
-          .formula =
-              "Edges join i and j if j is in N_i or i is in N_j, weight 1 - |n_i . n_j|; equal ones by the two "
-              "points, each by x, y, z, row. Along an edge of the minimum spanning forest signs s agree with the "
-              "sign of n_i . n_j, where 0 counts as +.\n"
-              "The signs of a component are turned together so that the larger in absolute value of "
-              "Σ s n_z and Σ s n . (p - c) / e is positive, of equal ones the first; c is its centroid and e the mean "
-              "of the three edges of its bounding box: up for open surfaces, outwards for closed ones. n counts in "
-              "steps of 2^-20, p in steps of 2^-32, summed exactly. With viewpoint v: Σ sign(s n . (v - p)). If that "
-              "is 0, the normal of the highest point points up; if that is level, the one of the first point by x, "
-              "y, z, row stays.\n"
-              "trajectory: n . (s(t) - p) >= 0, s(t) on the straight line between the places before and after t.",
-          .source =
-              "Hoppe, DeRose, Duchamp, McDonald, Stuetzle, Surface reconstruction from unorganized points (SIGGRAPH "
-              "1992), Section 3.3; there the highest point alone decides",
-          .undefined =
-              "Normals of 0 stay 0. Points without a finite place keep their normal, and with a trajectory also those "
-              "without a time. Times more than 1 s outside of the trajectory end the run.",
-          .cost = "a sweep that ends a pass; about 150 bytes a point in the temporary folder",
-          .neighbor_ns = 20,
-          .attributes = {{.name = "normal_turned", .meaning = "1: orient has turned the normal; else 0"}},
-          .example = "knn(k=12) | normals | orient"};
+  return {
+      .name = "orient",
+      .meaning = "gives the normals of each connected surface consistent signs, by a minimum spanning forest",
+      .options = orient_options().declarations(),
+      .make = orient_options().maker<OrientedNormals>(),
+      .formula =
+          "Edges join i and j if j is in N_i or i is in N_j, weight 1 - |n_i . n_j|; equal ones by the two "
+          "points, each by x, y, z, row. Along an edge of the minimum spanning forest signs s agree with the "
+          "sign of n_i . n_j, where 0 counts as +.\n"
+          "The signs of a component are turned together so that the larger in absolute value of "
+          "Σ s n_z and Σ s n . (p - c) / e is positive, of equal ones the first; c is its centroid and e the mean "
+          "of the three edges of its bounding box: up for open surfaces, outwards for closed ones. n counts in "
+          "steps of 2^-20, p in steps of 2^-32, summed exactly. With viewpoint v: Σ sign(s n . (v - p)). If that "
+          "is 0, the normal of the highest point points up; if that is level, the one of the first point by x, "
+          "y, z, row stays.\n"
+          "trajectory: n . (s(t) - p) >= 0, s(t) on the straight line between the places before and after t.",
+      .source =
+          "Hoppe, DeRose, Duchamp, McDonald, Stuetzle, Surface reconstruction from unorganized points (SIGGRAPH "
+          "1992), Section 3.3; there the highest point alone decides",
+      .undefined =
+          "Normals of 0 stay 0. Points without a finite place keep their normal, and with a trajectory also those "
+          "without a time. Times more than 1 s outside of the trajectory end the run.",
+      .cost = "a sweep that ends a pass; about 150 bytes a point in the temporary folder",
+      .neighbor_ns = 20,
+      .attributes = {{.name = "normal_turned",
+                      .meaning = "1: orient has turned the normal, or those around a point whose normal is 0; else 0"}},
+      .example = "knn(k=12) | normals | orient"};
 }
 
 ChainStage operators::orient(const OrientOptions& options) { return std::make_shared<OrientedNormals>(options); }

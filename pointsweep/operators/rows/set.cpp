@@ -46,6 +46,17 @@ constexpr LasType kTypesOfLas[] = {{"classification", Type::u8},
                                    {"blue", Type::u16},
                                    {"nir", Type::u16}};
 
+constexpr std::uint64_t kMostExact = std::uint64_t{1} << 53;  ///< float64 holds all whole numbers up to this one
+
+/// Returns whether a 64-bit integer among the values of point `i` is beyond 2^53.
+bool is_beyond_float64(std::span<const ExpressionValues> values, std::size_t i) {
+  return std::ranges::any_of(values, [&](const ExpressionValues& v) {
+    if (v.whole == nullptr) return false;
+    const std::uint64_t number = v.whole[i];
+    return (v.is_signed && number >> 63 != 0 ? 0 - number : number) > kMostExact;
+  });
+}
+
 std::vector<std::string> names_of_types() {
   std::vector<std::string> names;
   for (const Type type : kAllTypes) names.emplace_back(name_of(type));
@@ -136,6 +147,7 @@ class SetAttribute final : public LocalOperator {
   /// value reads come before it.
   std::size_t first_of_condition() const { return value_names_.reads().size(); }
   RowSentence refusal(const std::string& value) const;
+  RowSentence inexact() const;
   template <class T>
   void assign(const Neighborhoods& in, Columns& out) const;
   /// Returns the value in the type of the attribute; nullopt if the type cannot hold the value.
@@ -192,15 +204,16 @@ OperatorDeclaration set_declaration() {
       .options = set_options().declarations(),
       .make = make_set,
       .formula =
-          "Numbers are evaluated in float64, as by where, and those of whole numbers of 64 bits exactly. A "
-          "whole-number type gets the nearest one, halves to even.\n"
+          "Numbers are evaluated in float64, as by where; an attribute of whole numbers of 64 bits, or a whole "
+          "number, is assigned exactly. A whole-number type gets the nearest one, halves to even.\n"
           "An attribute that exists keeps its type (one of the input gets the type of 'as' if no condition is given, "
           "and scaled numbers, as those of LAS, become float64), "
           "and its value where the condition does not hold; a new attribute is 0 there. Assigning to x, y or z moves "
           "the points.",
       .undefined =
-          "A value that the type cannot hold ends the run with an error that names the row, and so does a NaN or "
-          "infinite coordinate for a point that has a finite place. Points without a finite place are assigned to like "
+          "A value that the type cannot hold ends the run with an error that names the row, and so do arithmetic "
+          "with whole numbers beyond 2^53 for a type of 64 bits, which float64 may round, and a NaN or infinite "
+          "coordinate for a point that has a finite place. Points without a finite place are assigned to like "
           "all others.",
       .cost = "a pass over the rows, without a search; none where other stages search anyway",
       .makes_named = true,
@@ -297,6 +310,15 @@ std::optional<T> SetAttribute::stored(double value, bool is_placed) const {
   }
 }
 
+/// Returns the error about a whole number that arithmetic in float64 may have rounded.
+RowSentence SetAttribute::inexact() const {
+  return {
+      fmt::format("{}: row ", place_),
+      fmt::format(": {} is computed with whole numbers beyond 2^53, which arithmetic in float64 rounds; assign to a "
+                  "float64 attribute, or exclude such points by a condition.",
+                  assignment_.name)};
+}
+
 template <class T>
 void SetAttribute::assign(const Neighborhoods& in, Columns& out) const {
   const std::size_t n = in.size(), width = target_.fields.size();
@@ -335,7 +357,13 @@ void SetAttribute::assign(const Neighborhoods& in, Columns& out) const {
     }
     if (!holds[i]) continue;
     if (!is_exact) {
-      if (const std::optional<T> number = stored<T>(reals[i], is_finite(in.position(i))))
+      const std::optional<T> number = stored<T>(reals[i], is_finite(in.position(i)));
+      const bool may_be_rounded =
+          std::is_integral_v<T> && sizeof(T) == 8 &&
+          (std::abs(reals[i]) > static_cast<double>(kMostExact) || is_beyond_float64(batch.values(), i));
+      if (number && may_be_rounded)
+        refused.note(in.row(i), [&] { return inexact(); });
+      else if (number)
         value[component_] = *number;
       else
         refuse(i, [&] { return std::isnan(reals[i]) ? "nan" : fmt::format("{}", reals[i]); });

@@ -124,13 +124,13 @@ OperatorDeclaration statistics_declaration() {
       .options = statistics_options().declarations(),
       .make = statistics_options().maker<NeighborhoodStatistics>(),
       .formula =
-          "v_1, ..., v_n: the finite values of the attribute at the neighbours for which the condition holds, nearest "
-          "first. N_i never holds p_i.\n"
+          "v_1, ..., v_n: the finite values of the attribute at the neighbours for which the condition holds, in the "
+          "order of the search: nearest first where no stage has moved points since. N_i never holds p_i.\n"
           "mean:      v_1 + m, m = 1/n Σ (v_j - v_1)\n"
           "deviation: √(1/n Σ (v_j - v_1 - m)²), that of the whole population\n"
           "median:    the middle value; of an even number (a + b) / 2 of the two middle ones\n"
           "range:     max - min\n"
-          "majority:  the most frequent value; of several the one that the nearest neighbour has\n"
+          "majority:  the most frequent value; of several the one that comes first\n"
           "count:     n; without an attribute, the neighbours for which the condition holds\n"
           "Sums and differences are float64, and so are mean, deviation, median and range. min, max and majority have "
           "the type of the attribute, whole numbers of 64 bits are exact. count is uint32.",

@@ -132,11 +132,14 @@ class Level final : public InOrderOperator {
 OperatorDeclaration level_declaration() {
   return {
       .name = "level",
-      .meaning = "gives each point the level of detail at which it is first drawn, as in a COPC file",
+      .meaning = "gives each point the level of detail at which it is first drawn, by the rule of COPC outputs",
       .make = [](const OptionValues&, const Facts&) { return std::make_shared<Level>(); },
       .formula =
-          "Positions are rounded to steps of e / 2^30, e the widest extent; the cube of width w has its corner half a "
-          "step below the least coordinates. An octant with more than 100,000 points is divided, unless they lie at "
+          "Positions are rounded to steps of e / 2^30, e the widest extent; the cube of width w = 1.125 e has its "
+          "corner half a "
+          "step below the least coordinates. (A COPC output rounds to the steps of its coordinates, and its cube is "
+          "another one, so that its levels have other points.) An octant with more than 100,000 points is divided, "
+          "unless they lie at "
           "one place.\n"
           "Depth d takes all points of octants of depth d that are not divided. Then each divided octant of depth d, "
           "those of even numbers along x, y and z first, takes in the order of a hash of the rounded coordinates each "

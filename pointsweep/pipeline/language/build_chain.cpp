@@ -9,6 +9,7 @@
 #include "pointsweep/cloud.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
 #include "pointsweep/points/neighborhood_options.h"
 
@@ -145,9 +146,21 @@ void require_lengths(const InputCloud& cloud, const Chain& chain) {
       short_text(*cloud.crs()), name_of(*stage));
 }
 
-std::vector<std::string> notes_on_defaults(const InputCloud& cloud, const Chain& chain) {
+std::vector<std::string> notes_on_inputs(const InputCloud& cloud, const Chain& chain) {
   std::vector<std::string> sentences;
+  const bool drops = std::ranges::any_of(chain.stages, [](const ChainStage& stage) { return drops_rows(stage); });
+  if (const auto at = cloud.schema().find("buffer"); at && cloud.readers().size() > 1 && !drops)
+    sentences.push_back(
+        "the inputs have the attribute 'buffer', as tiles with buffers have: points in a buffer may be in two tiles "
+        "and then count twice; the stage where(buffer == 0) leaves the copies out.");
   if (!cloud.crs() || cloud.ignores_crs()) return sentences;
+  const std::string heights = other_unit_of_heights(*cloud.crs());
+  if (const auto stage = std::ranges::find_if(chain.stages, needs_lengths);
+      !heights.empty() && stage != chain.stages.end())
+    sentences.push_back(
+        fmt::format("{}: x and y are in {}, but heights in {}; distances take them for the same unit. "
+                    "Convert the heights before, with the stage set(z = z * FACTOR).",
+                    name_of(*stage), length_unit_of(*cloud.crs()), heights));
   const std::optional<double> stated = metres_of_unit(*cloud.crs());
   if (stated == 1) return sentences;
   for (const ChainStage& stage : chain.stages) {

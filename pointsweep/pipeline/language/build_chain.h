@@ -27,10 +27,11 @@ std::vector<OptionDeclaration> in_unit(std::vector<OptionDeclaration> options, d
 /// Throws UsageError if the coordinates are degrees and a stage uses distances, unless CloudOptions::ignore_crs is set.
 void require_lengths(const InputCloud& cloud, const Chain& chain);
 
-/// Returns one sentence for each stage with default lengths if the coordinate reference system of the cloud has a unit
-/// other than the metre, or states no unit; a code of the EPSG registry alone does not state one. Returns nothing for a
-/// cloud without a system, or whose system is ignored.
-std::vector<std::string> notes_on_defaults(const InputCloud& cloud, const Chain& chain);
+/// Returns sentences about what users may not expect of the inputs: points in the buffers of tiles; heights in another
+/// unit than x and y, for a stage that depends on distances; and for each stage with default lengths, a unit of the
+/// coordinate reference system that is not the metre or not stated (a code of the EPSG registry alone states none).
+/// Says nothing about units for a cloud without a system, or whose system is ignored.
+std::vector<std::string> notes_on_inputs(const InputCloud& cloud, const Chain& chain);
 
 /// Appends stages to a chain. `facts`: facts about the cloud of the chain. Throws UsageError for an unknown stage or
 /// option, and for a stage knn, which may only begin a pipeline.

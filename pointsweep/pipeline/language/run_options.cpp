@@ -212,8 +212,8 @@ const std::vector<RunOption>& run_options() {
           [](auto& options) -> auto& { return options.division.tile_origin; }),
       option(
           {"tile_buffer", "--tile-buffer", "WIDTH",
-           "Tiles also hold the points of their neighbours within this width, with the attribute buffer = 1 "
-           "(default: 0, none)"},
+           "Tiles also hold the points of their neighbours for X - WIDTH <= x < X + size + WIDTH, likewise in y, with "
+           "the attribute buffer = 1 (default: 0, none)"},
           [](auto& options) -> auto& { return options.division.tile_buffer; }),
       option(
           {"split", "--split", "ATTRIBUTE",

@@ -7,14 +7,19 @@
 #include <cstring>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/files/folders.h"
 #include "pointsweep/order/source.h"
+#include "pointsweep/program/formats.h"
 #include "pointsweep/row_error.h"
 #include "pointsweep/storage/local/output_file.h"
+#include "pointsweep/storage/local/unfinished_output.h"
 #include "pointsweep/threads.h"
+#include "pointsweep/url.h"
 
 namespace pointsweep {
 namespace {
@@ -313,6 +318,22 @@ void DividedWriter::finish() {
   complete_ = files.complete();
   bytes_written_ = files.bytes_written();
   for (const std::string& sentence : files.warnings()) add_warning(sentence);
+  if (plan.overwrite && !is_url(plan.path)) warn_of_other_files();
+}
+
+/// Warns of point files in the folder that the run has not written, such as tiles of an earlier run.
+void DividedWriter::warn_of_other_files() {
+  const std::filesystem::path folder = folder_of(divider_.plan().path);
+  std::set<std::filesystem::path> written;
+  for (const DividedFile& file : records_.files()) written.insert(divider_.path_of(file.key).filename());
+  std::vector<std::string> others;
+  for (const std::filesystem::directory_entry& entry : entries_of(folder))
+    if (!is_hidden(entry.path()) && is_point_file(entry.path()) && !written.contains(entry.path().filename()))
+      others.push_back(entry.path().filename().string());
+  if (others.empty()) return;
+  add_warning(fmt::format(
+      "{}: has {} point files that this run did not write, such as {}; a run over the folder reads them, too.",
+      folder.string(), others.size(), others.front()));
 }
 
 }  // namespace pointsweep

@@ -161,6 +161,8 @@ class DividedWriter final : public Writer {
   std::size_t files() const { return complete_; }  ///< number of complete files
 
  private:
+  void warn_of_other_files();
+
   std::function<void(std::uint64_t points)> progress_;  ///< OutputPlan::progress of all files together
   Divider divider_;
   DivisionRoom room_;

@@ -15,6 +15,7 @@
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/math/mix.h"
+#include "pointsweep/operators/expressions/expression.h"
 #include "pointsweep/storage/local/unfinished_output.h"
 
 namespace pointsweep {
@@ -120,8 +121,8 @@ void Divider::choose_attribute(const std::string& word) {
   if (!has_whole_numbers(attribute_) || attribute_.count != 1)
     fail_usage(
         "--split: '{0}' has no whole numbers, so that nearly each point might get a file; make whole numbers of it, "
-        "e.g. pointsweep run INPUT OUTPUT --pipeline 'set(part = floor({0}), as=int32)' --split part.",
-        word);
+        "e.g. pointsweep run INPUT OUTPUT --pipeline 'set(part = floor({1}), as=int32)' --split part.",
+        word, spelled_name(attribute_.name));
   attribute_name_ = as_file_name(library_name_of(attribute_.name));
 }
 

@@ -186,8 +186,10 @@ void require_division_possible(const Outputs& outputs, const EngineOptions& opti
   if (division.tile &&
       (!(*division.tile > 0) || !(division.tile_buffer >= 0 && division.tile_buffer <= *division.tile)))
     fail_usage("--tile-buffer: {} is not from 0 to the size of a tile, {}.", division.tile_buffer, *division.tile);
-  if (outputs.points.filename().string().find('*') == std::string::npos)
-    fail_usage("--tile and --split write many files: name a folder for them.");
+  const std::string name = outputs.points.filename().string();
+  if (std::ranges::count(name, '*') > 1)
+    fail_usage("{}: one '*' stands for the name of each file; leave out the others.", outputs.points.string());
+  if (name.find('*') == std::string::npos) fail_usage("--tile and --split write many files: name a folder for them.");
   if (!outputs.arrays.empty() || outputs.writer || !outputs.tiles.empty())
     fail_usage("--tile and --split divide point files, and nothing else can be written with them; make two runs.");
   if (!options.resume_folder.empty())

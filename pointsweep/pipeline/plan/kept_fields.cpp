@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <ranges>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
@@ -97,11 +98,11 @@ class Selection {
     for (const Attribute& a : made_) made.push_back(a.name);
     all = made;
     for (const Attribute& a : made_) all.insert(all.end(), a.fields.begin(), a.fields.end());
-    const std::vector<std::string> columns = column_names(input_);
-    all.insert(all.end(), columns.begin(), columns.end());
+    const auto names = input_.fields | std::views::transform(&Field::name);
+    all.insert(all.end(), names.begin(), names.end());
     const auto meant = probable_name(name, all);
     fail_usage("'{}' cannot be {}{}; the input has {}{}.", name, done_,
-               meant ? fmt::format(" (did you mean '{}'?)", *meant) : "", fmt::join(columns, ", "),
+               meant ? fmt::format(" (did you mean '{}'?)", *meant) : "", fmt::join(names, ", "),
                made.empty() ? "" : fmt::format(", and what is made is {}", fmt::join(made, ", ")));
   }
 

@@ -166,7 +166,7 @@ OutputNames check_request(const Request& request, const RunReport& report) {
     fail_usage("Arrays have their rows in input order: leave out --order sweep.");
   require_outputs(outputs);
   require_lengths(cloud, plan.chain);
-  for (const std::string& sentence : notes_on_defaults(cloud, plan.chain)) report.note(sentence);
+  for (const std::string& sentence : notes_on_inputs(cloud, plan.chain)) report.note(sentence);
   require_outputs_possible(outputs, options);
   OutputNames names = names_of_output(request);
   require_layout(request, names);

@@ -67,6 +67,14 @@ void check_url(const fs::path& destination, bool overwrite) {
   }
 }
 
+/// Returns whether a path such as /dev/stderr or /dev/fd/3 stands for a stream that is open in this process. Replacing
+/// it would replace the file to which the stream goes.
+bool is_open_stream(const fs::path& destination) {
+  std::error_code error;
+  const auto in_proc = [](const fs::path& path) { return path.native().starts_with("/proc/"); };
+  return in_proc(fs::read_symlink(destination, error)) || in_proc(fs::canonical(folder_of(destination), error));
+}
+
 void check_destination(const fs::path& destination, bool overwrite) {
   if (!destination.has_filename()) fail("'{}' names no file to write.", destination.string());
   std::error_code error;
@@ -80,6 +88,8 @@ void check_destination(const fs::path& destination, bool overwrite) {
   if (fs::is_directory(status)) {
     fail("{}: is a folder; name the file to write in it.", destination.string());
   }
+  if (is_open_stream(destination))
+    fail("{}: stands for an open stream, which cannot be replaced; name a file.", destination.string());
   if (!fs::exists(status)) return;
   if (!overwrite) fail_since_it_exists(destination);
   if (!fs::is_regular_file(status) && !fs::is_symlink(status)) {
