@@ -53,6 +53,7 @@ struct AttributeArrival {
   std::uint64_t rows_different = 0;       ///< number of rows whose values differ
   std::uint64_t first_different = 0;      ///< first row whose values differ
   double expected = 0, found = 0;         ///< values of input and output in row `first_different`
+  double rounded_by = 0;                  ///< largest change of a finite value by storing it in the type of the output
 };
 
 /// The comparison of all points and attributes of the input with the points and attributes of the output.
@@ -81,6 +82,7 @@ struct Verdict {
   std::string input, output;  ///< names of the input and of the output
   /// Number of points with non-finite coordinates that the run has dropped. Row numbers do not count these points.
   std::uint64_t dropped = 0;
+  std::uint64_t points_of_inputs = 0;  ///< number of points of the inputs, before stages leave any out
   Arrivals arrivals;
   bool attributes_compared = true;  ///< false for arrays, which hold no attributes of the input
   std::string order;                ///< order of the rows: "input" or "sweep along x"; empty for any other order

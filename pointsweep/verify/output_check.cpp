@@ -370,6 +370,7 @@ Verdict verify(const std::vector<fs::path>& inputs, const fs::path& output, cons
   auto [cloud, dropped] = left_by_run(check, all);
   Verdict verdict = checked(check, all, cloud);
   verdict.dropped = dropped.count;
+  verdict.points_of_inputs = all.count();
   return verdict;
 }
 

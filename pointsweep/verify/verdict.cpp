@@ -8,6 +8,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kMostNames = 12;
+constexpr double kNoticed = 0.001;  ///< the conclusion tells of coordinates that are rounded by more than this
 
 std::string names_text(const std::vector<std::string>& names) {
   std::string text;
@@ -29,6 +30,15 @@ std::string checksum_text(const AttributeArrival& a) {
 std::string order_text(const Verdict& v) {
   if (v.order.empty()) return v.same() ? "in another order than those of the input" : "?";
   return "in the order of the " + v.order;
+}
+
+/// Returns how far coordinates were rounded, such as "x by up to 0.005"; empty if none was by more than `least`.
+std::string rounding_text(const Verdict& v, double least) {
+  std::string text;
+  for (const AttributeArrival& a : v.arrivals.attributes)
+    if ((a.name == "x" || a.name == "y" || a.name == "z") && a.rounded_by > least)
+      text += fmt::format("{}{} by up to {:.3g}", text.empty() ? "" : ", ", a.name, a.rounded_by);
+  return text;
 }
 
 std::string differences_text(const Verdict& v) {
@@ -78,7 +88,9 @@ std::string conclusion_of_what_is_open(const Verdict& v) {
 std::string conclusion(const Verdict& v) {
   if (!v.same()) return conclusion_of_what_differs(v);
   if (!v.is_complete()) return conclusion_of_what_is_open(v);
+  const std::string rounding = rounding_text(v, kNoticed);
   std::string text = v.attributes_compared ? "inputs unchanged" : "";
+  if (!rounding.empty()) text = "inputs unchanged but for rounding";
   if (v.sampled > 0) text += (text.empty() ? "" : ", ") + counted(v.sampled, "sample") + " correct";
   return "OK: " + (text.empty() ? "nothing was to be checked" : text);
 }
@@ -89,7 +101,12 @@ std::string to_text(const Verdict& v, Checksums checksums) {
     text = fmt::format("left out     {} points of the input whose coordinates are not finite; rows count the others\n",
                        v.dropped);
   text += fmt::format("{} against {}\n", v.output, v.input) + differences_text(v);
-  text += fmt::format("  points             {}\n", grouped_text(v.arrivals.points_out));
+  text += fmt::format("  points             {}", grouped_text(v.arrivals.points_out));
+  if (v.attributes_compared && v.arrivals.points_out != v.points_of_inputs)
+    text += fmt::format(", of {} in the input", grouped_text(v.points_of_inputs));
+  text += "\n";
+  if (const std::string rounding = rounding_text(v, 0); !rounding.empty())
+    text += fmt::format("  rounded            {}\n", rounding);
   if (v.attributes_compared) text += fmt::format("  rows               {}\n", order_text(v));
   if (checksums == Checksums::show)
     for (const AttributeArrival& a : v.arrivals.attributes) text += checksum_text(a);

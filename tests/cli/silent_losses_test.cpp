@@ -11,6 +11,7 @@
 namespace pointsweep {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -146,6 +147,21 @@ TEST_F(SilentLosses, HeightsInAnotherUnitThanTheMapAreANoteWhereDistancesMatter)
     EXPECT_EQ(note.find(words) != std::string::npos, unit.find("foot") != std::string::npos) << note;
     EXPECT_THAT(said("convert in.las out.las -f"), Not(HasSubstr("heights in")));
   }
+}
+
+TEST_F(SilentLosses, VerifyTellsOfRoundingAndOfPointsThatStagesLeaveOut) {
+  write("in.csv", "x,y,z\n0.25,0,0\n1,2,0\n2,4,8\n");
+  made("convert in.csv coarse.las --scale 4");
+  made("convert coarse.las again.las");
+  EXPECT_THAT(made("verify in.csv again.las", ".out"),
+              AllOf(HasSubstr("rounded            x by up to 2, y by up to 2\n"),
+                    HasSubstr("OK: inputs unchanged but for rounding\n")));
+  made("convert in.csv fine.las");
+  EXPECT_THAT(
+      made("verify in.csv fine.las", ".out"),
+      AllOf(Not(HasSubstr("rounded")), HasSubstr("OK: inputs unchanged\n"), HasSubstr("points             3\n")));
+  made("run in.csv part.las --pipeline 'where(y < 3)'");
+  EXPECT_THAT(made("verify in.csv part.las", ".out"), HasSubstr("points             2, of 3 in the input\n"));
 }
 
 TEST_F(SilentLosses, WaveformsOfLas13AreCountedAsAnExtendedVlrInLas14) {

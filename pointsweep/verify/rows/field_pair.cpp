@@ -181,12 +181,20 @@ std::uint64_t FieldPair::word_of(double value) const {
   return std::bit_cast<std::uint64_t>(std::isnan(value) ? std::numeric_limits<double>::quiet_NaN() : value);
 }
 
-std::uint64_t FieldPair::expected(const std::byte* from_record) const {
-  if (bitwise_) return bits_at(from_, from_record);
-  double value = value_of(from_, from_record);
+double FieldPair::stored(double value) const {
   if (single_) value = static_cast<double>(static_cast<float>(value));
   value = stored_and_read(to_file_, value);
-  return word_of(places_.decimals ? std::stod(fmt::format("{:.{}f}", value, *places_.decimals)) : value);
+  return places_.decimals ? std::stod(fmt::format("{:.{}f}", value, *places_.decimals)) : value;
+}
+
+std::uint64_t FieldPair::expected(const std::byte* from_record) const {
+  return bitwise_ ? bits_at(from_, from_record) : word_of(stored(value_of(from_, from_record)));
+}
+
+double FieldPair::rounding(const std::byte* from_record) const {
+  if (bitwise_) return 0;
+  const double value = value_of(from_, from_record), change = std::abs(stored(value) - value);
+  return change > std::ldexp(std::abs(value), -50) ? change : 0;
 }
 
 std::uint64_t FieldPair::found(const std::byte* to_record) const {

@@ -50,6 +50,8 @@ class FieldPair {
   /// Returns how much `value` may change when a format stores it: half a unit in the last place of `to`, and a few
   /// roundings in float64; 0 if it is stored exactly.
   double resolution(double value) const;
+  /// Returns by how much storing the value of `from` in the output changes it; 0 if no more than float64 rounds.
+  double rounding(const std::byte* from_record) const;
   double expected_value(const std::byte* from_record) const { return value_of(from_, from_record); }
   double found_value(const std::byte* to_record) const { return value_of(to_, to_record); }
   /// Returns found_value(), rounded to float32 if the run has made or rounded it as float32 and `to` is float64, as in
@@ -58,6 +60,7 @@ class FieldPair {
 
  private:
   void compare_as(const Field& from_file, const Field& to_file);
+  double stored(double value) const;  ///< the value that a reader gets after `value` was stored in the output
   std::uint64_t word_of(double value) const;
 
   std::string name_;

@@ -232,9 +232,16 @@ class Comparison {
     for (std::size_t i = 0; i < rows_out; ++i) follow_order({x_[i], y_[i], z_[i]});
     for (std::size_t i = 0; i < n; ++i, in += in_.schema().stride, out += out_.schema().stride) {
       if (i < rows_in) add(pairs_.of_input(first + i), in, sums_in_, points_in_, words_in_, &FieldPair::expected);
+      if (i < rows_in) note_rounding(first + i, in);
       if (i < rows_out) add(pairs_.of_output(first + i), out, sums_out_, points_out_, words_out_, &FieldPair::found);
       if (i < rows_in && i < rows_out && words_in_ != words_out_) note_different(first + i, in, out);
     }
+  }
+
+  void note_rounding(std::uint64_t row, const std::byte* in) {
+    const std::span<const FieldPair> pairs = pairs_.of_input(row);
+    for (std::size_t p = 0; p < pairs.size(); ++p)
+      result_.attributes[p].rounded_by = std::max(result_.attributes[p].rounded_by, pairs[p].rounding(in));
   }
 
   /// Moves fields with a value other than 0 from `absent_` to the missing attributes: an output may lack a field of its
