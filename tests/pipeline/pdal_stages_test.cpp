@@ -30,8 +30,8 @@ TEST(PdalStages, OfAWholePipelineKeepTheirOrderAndNeighborhoods) {
                     {"type": "filters.dbscan", "eps": 2, "min_points": 9},
                     {"type": "writers.las", "filename": "out.laz"}]})~"),
       R"~(knn(k=12) | where("(!(Classification >= 7 && Classification <= 7)) && ((Z > -5 && Z <= 1000))") | )~"
-      R"~(sor(multiplier=2.2, definition=pdal) | set("classification = 7 where outlier == 1") | drop(outlier) | )~"
-      R"~(normals(orient=up) | reneighbor(radius=2) | dbscan(eps=2, min_points=9))~");
+      R"~(sor(multiplier=2.2, definition=pdal) | set("classification = 7 where outlier == 1") | )~"
+      R"~(drop([outlier,mean_distance]) | normals(orient=up) | reneighbor(radius=2) | dbscan(eps=2, min_points=9))~");
 }
 
 TEST(PdalStages, BecomeStagesOfOurs) {
@@ -42,6 +42,10 @@ TEST(PdalStages, BecomeStagesOfOurs) {
        R"~(where("((Classification >= 2 && Classification <= 2) || (Classification >= 9 && Classification <= 9))"))~"},
       {R"~("filters.range", "limits": "Z[:10)")~", R"~(where("((Z < 10))"))~"},
       {R"~("filters.crop", "bounds": "([0, 300], [10,200])")~", "crop(bounds=[0,10,300,200], outside=false)"},
+      {R"~("filters.crop", "polygon": "POLYGON ((0 0, 4 0, 4 4, 0 0))", "outside": "true")~",
+       R"~(crop(polygon="POLYGON ((0 0, 4 0, 4 4, 0 0))", outside=true))~"},
+      {R"~("filters.head", "count": 20)~", "head(number=20)"},
+      {R"~("filters.head")~", "head(number=10)"},
       {R"~("filters.assign", "value": "Classification = 2 WHERE Z > 3")~",
        R"~(set("Classification = 2 where Z > 3"))~"},
       {R"~("filters.transformation", "matrix": "1 0 0 5  0 1 0 6  0 0 1 7  0 0 0 1")~",

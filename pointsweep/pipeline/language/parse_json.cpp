@@ -192,9 +192,13 @@ class OurStages {
   void expression(PdalStage& s) { ours("where", s, {{"", s.required("expression")}}); }
   void assign(PdalStage& s) { ours("set", s, {{"", lower_case_where(s.required("value"))}}); }
   void crop(PdalStage& s) {
+    const std::string polygon = s.take("polygon", "");
     ours("crop", s,
-         {{"bounds", crop_bounds(s.required("bounds"), s.place())}, {"outside", s.take("outside", "false")}});
+         {polygon.empty() ? std::pair("bounds", crop_bounds(s.required("bounds"), s.place()))
+                          : std::pair("polygon", polygon),
+          {"outside", s.take("outside", "false")}});
   }
+  void head(PdalStage& s) { ours("head", s, {{"number", s.take("count", "10")}}); }
   void transformation(PdalStage& s) { ours("transform", s, {{"matrix", with_commas(s.required("matrix"))}}); }
   void sample(PdalStage& s) { ours("poisson", s, {{"radius", s.required("radius")}}); }
   void voxel_center(PdalStage& s) { ours("voxel", s, {{"size", s.take("cell", "1")}, {"keep", "center"}}); }
@@ -222,7 +226,8 @@ class OurStages {
   }
   void outlier(PdalStage& s) {
     const std::string noise = s.take("class", "7");
-    if (s.take("method", "statistical") == "radius") {
+    const bool is_radius = s.take("method", "statistical") == "radius";
+    if (is_radius) {
       const std::string radius = s.take("radius", "1");
       near(s, "radius", radius);
       ours("ror", s, {{"radius", radius}, {"min_neighbors", s.take("min_k", "2")}});
@@ -231,7 +236,7 @@ class OurStages {
       ours("sor", s, {{"multiplier", s.take("multiplier", "2")}, {"definition", "pdal"}});
     }
     ours("set", s, {{"", fmt::format("classification = {} where outlier == 1", noise)}});
-    ours("drop", s, {{"", "outlier"}});
+    ours("drop", s, {{"", is_radius ? "outlier" : "outlier,mean_distance"}});
   }
 
   void ours(const std::string& name, const PdalStage& of, std::vector<std::pair<std::string, std::string>> options) {
@@ -252,7 +257,8 @@ class OurStages {
   }
 
   using Make = void (OurStages::*)(PdalStage&);
-  static constexpr std::array<std::pair<std::string_view, Make>, 16> kFilters = {{
+  static constexpr std::array<std::pair<std::string_view, Make>, 17> kFilters = {{
+      {"filters.head", &OurStages::head},
       {"filters.range", &OurStages::range},
       {"filters.expression", &OurStages::expression},
       {"filters.assign", &OurStages::assign},
