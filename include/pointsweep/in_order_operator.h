@@ -54,6 +54,9 @@ class POINTSWEEP_EXPORT InOrderWork {
   virtual void add(unsigned round, const OrderedPoints& points, Findings& findings) = 0;
   /// Called after the last point of a round.
   virtual void end(unsigned round, Findings& findings) { (void)round, (void)findings; }
+  /// Returns, after the last round over all points of the cloud, what users should know of them, as the rest of a
+  /// sentence after the name of the operator and a colon; empty if there is nothing.
+  virtual std::string warning() const { return ""; }
 };
 
 /// Makes an empty file in the temporary folder.

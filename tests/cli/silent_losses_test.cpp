@@ -149,6 +149,15 @@ TEST_F(SilentLosses, HeightsInAnotherUnitThanTheMapAreANoteWhereDistancesMatter)
   }
 }
 
+TEST_F(SilentLosses, GroundWithoutAPointThatTakesPartIsAWarningAndSoAreHeightsWithoutGround) {
+  write("in.csv", "x,y,z,classification,return_number,number_of_returns\n0,0,0,2,1,3\n1,2,0,2,1,3\n2,4,1,1,1,3\n");
+  const std::string without = "warning: ground: no point takes part, so that none is ground";
+  EXPECT_THAT(said("ground in.csv out.las --height"),
+              AllOf(HasSubstr(without), HasSubstr("warning: height: no point has class 2 (ground)")));
+  EXPECT_THAT(said("ground in.csv out.las -f --height --returns all"),
+              AllOf(Not(HasSubstr("takes part")), Not(HasSubstr("warning: height"))));
+}
+
 TEST_F(SilentLosses, VerifyTellsOfRoundingAndOfPointsThatStagesLeaveOut) {
   write("in.csv", "x,y,z\n0.25,0,0\n1,2,0\n2,4,8\n");
   made("convert in.csv coarse.las --scale 4");

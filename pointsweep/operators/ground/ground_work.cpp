@@ -73,6 +73,12 @@ void GroundWork::end(unsigned round, Findings&) {
   require_ground_memory(rule_, lowest_.most_columns(), setup_.memory_bytes);
 }
 
+std::string GroundWork::warning() const {
+  if (lowest_.most_columns() > 0) return "";
+  return "no point takes part, so that none is ground: all are noise (class 7 or 18) or no last returns; see the "
+         "options noise and returns.";
+}
+
 void GroundWork::open_band(std::size_t number) {
   surface_.reset();
   opened_ = number;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "pointsweep/in_order_operator.h"
 #include "pointsweep/operators.h"
@@ -34,6 +35,7 @@ class GroundWork final : public InOrderWork {
   unsigned rounds() const override { return 2; }
   void add(unsigned round, const OrderedPoints& points, Findings& findings) override;
   void end(unsigned round, Findings& findings) override;
+  std::string warning() const override;
 
  private:
   /// The surface and its slope at a point.

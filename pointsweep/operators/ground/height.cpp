@@ -49,11 +49,14 @@ class HeightWork final : public InOrderWork {
   void end(unsigned round, Findings&) override {
     if (round == 0) ground_.finish();
   }
+  std::string warning() const override {
+    return has_ground_ ? "" : "no point has class 2 (ground), so that all heights are NaN; find the ground first.";
+  }
 
  private:
   void add_ground(const OrderedPoints& points) {
     for (std::size_t i = 0; i < points.rows.size(); ++i)
-      if (points.values[i] == kGroundClass) ground_.add(points.positions[i], points.rows[i]);
+      if (points.values[i] == kGroundClass) has_ground_ = true, ground_.add(points.positions[i], points.rows[i]);
   }
 
   void measure(const OrderedPoints& points, Findings& findings) {
@@ -65,6 +68,7 @@ class HeightWork final : public InOrderWork {
   }
 
   std::size_t k_;
+  bool has_ground_ = false;
   PointCells ground_;
 };
 

@@ -258,7 +258,7 @@ std::vector<std::uint32_t> for_other_parts(const InOrderOperator::ChoosePoints& 
   return choose(points);
 }
 
-void run_in_order(const InOrderPass& run) {
+std::string run_in_order(const InOrderPass& run) {
   const InOrderOperator& op = *run.pass.in_order();
   const std::unique_ptr<InOrderWork> work = op.start(run.setup);
   FoundRecords records(op, run);
@@ -271,6 +271,7 @@ void run_in_order(const InOrderPass& run) {
     work->end(round, found);
     records.put(found);
   }
+  return work->warning();
 }
 
 }  // namespace pointsweep

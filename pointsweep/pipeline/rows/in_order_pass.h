@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pointsweep/in_order_operator.h"
@@ -44,8 +45,8 @@ std::vector<std::uint32_t> for_other_parts(const InOrderOperator::ChoosePoints& 
                                            const Schema& record, std::span<const std::byte> records);
 
 /// Passes all points with a finite place to a new InOrderWork of the operator, once in each round of this work, and
-/// stores the findings of the work in `run.results`. Throws the error of the lowest row of the results with a value
-/// that the stage cannot read.
-void run_in_order(const InOrderPass& run);
+/// stores the findings of the work in `run.results`. Returns InOrderWork::warning(). Throws the error of the lowest row
+/// of the results with a value that the stage cannot read.
+std::string run_in_order(const InOrderPass& run);
 
 }  // namespace pointsweep

@@ -20,6 +20,7 @@
 #include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/pipeline/sweep_engine.h"
+#include "pointsweep/program/standard_streams.h"
 #include "pointsweep/storage/local/output_file.h"
 #include "pointsweep/storage/local/place.h"
 #include "pointsweep/storage/local/temp_folder.h"

@@ -139,23 +139,25 @@ void take_in_order(const SweepOfPass& s) {
   const Context& context = s.context;
   const int axis = s.points.stream.axis();
   FirstRowError refused;
+  std::string warning;
   refused.note_from([&] {
-    run_in_order({.stream = s.points.stream,
-                  .pass = s.pass,
-                  .setup = {.axis = axis,
-                            .memory_bytes = s.points.memory.in_order_bytes,
-                            .make_scratch = context.places.scratch(),
-                            .other_points = [&](const auto& take) { s.support.other(axis, take); },
-                            .may_lack = s.support.may_lack},
-                  .is_part = context.part.has_value(),
-                  .first_row = s.points.first_row,
-                  .rows = context.cloud.count(),
-                  .results = s.results,
-                  .undecided = s.support.undecided,
-                  .progress = context.progress_of("updating")});
+    warning = run_in_order({.stream = s.points.stream,
+                            .pass = s.pass,
+                            .setup = {.axis = axis,
+                                      .memory_bytes = s.points.memory.in_order_bytes,
+                                      .make_scratch = context.places.scratch(),
+                                      .other_points = [&](const auto& take) { s.support.other(axis, take); },
+                                      .may_lack = s.support.may_lack},
+                            .is_part = context.part.has_value(),
+                            .first_row = s.points.first_row,
+                            .rows = context.cloud.count(),
+                            .results = s.results,
+                            .undecided = s.support.undecided,
+                            .progress = context.progress_of("updating")});
   });
   throw_refused(refused, s.points.first_row);
   put_nonfinite(s);
+  if (!warning.empty() && !context.part) context.report.warn(s.pass.in_order()->name() + ": " + warning);
   context.statistics().operator_seconds.emplace_back(s.pass.in_order()->name(), seconds_since(start));
 }
 
