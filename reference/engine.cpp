@@ -242,7 +242,6 @@ namespace {
 
 class ReferenceEngine final : public SweepEngine {
  public:
-  std::string name() const override { return "reference"; }
   void require_can(const ChainPlan& plan, const EngineOptions& options) const override {
     if (plan.passes.empty()) return;
     if (!options.half_way_states.empty())

@@ -58,8 +58,8 @@ struct Neighborhood {
 };
 
 /// Number of bits of the index of a point in its cell. A NeighborRef names a point by the slot of its cell, which is
-/// the number of a place for a cell in memory, and by its index in the cell. Class Neighborhoods hides this memory
-/// layout from operators.
+/// the number of a place for a cell in memory, and by its index in the cell. Of Neighborhoods, only values_of_slot()
+/// shows this memory layout to operators.
 inline constexpr std::uint32_t kIndexBits = 11;
 inline constexpr std::uint32_t kCellCapacity = 1u << kIndexBits;
 using NeighborRef = std::uint32_t;  ///< slot << kIndexBits | index; valid as long as the batch

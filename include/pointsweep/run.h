@@ -115,8 +115,8 @@ struct OutputDivision {
   friend bool operator==(const OutputDivision&, const OutputDivision&) = default;
 };
 
-/// Options of a run: first the options that the results depend on, then, from `resources` on, options without effect on
-/// the results.
+/// Options of a run: first `overwrite` and the options that the results depend on; from `resources` on, options without
+/// effect on the results.
 struct RunOptions {
   Order order = Order::input;
   std::optional<int> axis = {};  ///< axis of the sweep, 0, 1 or 2; absent for the longest

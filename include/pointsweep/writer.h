@@ -37,8 +37,8 @@ struct FileLayout {
   /// points.
   std::optional<Vec3> scale = {};
   /// For LAS: the coordinates for which the integers 0 stand. If Anchor::at is absent, the writer takes the multiple of
-  /// 1,000 steps nearest to the middle of the points. If `offset` is absent, the writer takes the offset of the inputs
-  /// if integers then reach all points, else an offset a whole number of steps away from the offset of the inputs.
+  /// 1,000 steps nearest to the middle of the points. If `offset` is absent, the writer takes the offset of the inputs,
+  /// moved by whole steps if integers do not reach all points; without one, a round number near the middle.
   std::optional<Anchor> offset = {};
   /// For LAS: point format, 0 to 10. Attributes for which the format has no field become extra bytes.
   std::optional<int> point_format = {};

@@ -36,8 +36,8 @@ using EndRows = std::array<std::uint64_t, 2>;
 
 }  // namespace
 
-/// Reads the buckets in order. Opens the points of a bucket, joins its edges, closes the points without later edges.
-/// Leaves the points open for which `stays_open` returns true.
+/// Reads the buckets in order. Opens the points of each bucket, joins its edges, and closes the points without later
+/// edges. Points for which `stays_open` returns true stay open.
 std::uint64_t grow(SpanningForest& forest, const BucketedGraph& graph, const GrowthOptions& options) {
   BucketedGraph::Points chunk;
   std::vector<ForestEdge> edges, some;

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <string>
 
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/pipeline/engine_run.h"
@@ -29,8 +28,6 @@ struct EnginePass {
 class SweepEngine {
  public:
   virtual ~SweepEngine() = default;
-  /// Returns the name by which the processing records of outputs mention the engine.
-  virtual std::string name() const = 0;
   /// Throws UsageError for a request that the engine does not support.
   virtual void require_can(const ChainPlan& plan, const EngineOptions& options) const = 0;
   /// Performs the pass and returns the statistics of its sweep. Adds to `statistics` the counts that only this engine

@@ -53,7 +53,7 @@ class BestList {
   /// Returns a squared distance. A candidate farther away cannot belong to the neighbourhood; a candidate at this
   /// distance may.
   double limit() const { return limit_; }
-  /// Returns false only if `c` does not belong to the k nearest candidates so far.
+  /// Returns false only if `c` cannot belong to the neighbourhood.
   bool wants(const Candidate& c) const { return c.distance2 <= limit_ && !(full_ && nearer(worst_, c)); }
   void offer(const Candidate& c) {
     if (c.distance2 > limit_) return;

@@ -79,7 +79,7 @@ HWY_INLINE void sort_sixteen(Vec (&keys)[kLeafCapacity]) {
   (std::make_index_sequence<Comparators::kCount>());
 }
 
-/// Performs the last steps of a bitonic merge of N keys per lane, which are `stride` apart, in registers.
+/// Sorts a bitonic list of N keys per lane, which are `stride` apart, by a bitonic merge in registers.
 template <std::size_t N>
 HWY_INLINE void merge_bitonic(Vec* keys, std::size_t stride) {
   Vec v[N];

@@ -41,7 +41,7 @@ struct FileColumn {
   Type type;                        ///< type that the operator expects; values are converted to it
 };
 
-/// A made column that is written to the output. Its values are copied to `offset` of the result records.
+/// A made column that a later pass or the output needs. Its values are copied to `offset` of the result records.
 struct ResultColumn {
   std::uint16_t column;
   std::uint32_t offset;

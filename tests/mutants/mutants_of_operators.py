@@ -481,7 +481,7 @@ MUTANTS = [
     Mutant("the canonical form of a name lacks its backquotes", "set", OPS + "expressions/expression.cpp",
            "canonical_ += spelled_name(name);", "canonical_ += name;", ("operators:Expression.*",)),
     Mutant("operands beyond 2^53 count as exact", "set", OPS + "rows/set.cpp",
-           "|| is_beyond_float64(batch.values(), i));", ");", ("cli:SilentLosses.*",)),
+           "is_beyond_float64(batch.values(), i));", "is_beyond_float64({}, i));", ("cli:SilentLosses.*",)),
     Mutant("results beyond 2^53 count as exact", "set", OPS + "rows/set.cpp",
            "(std::abs(reals[i]) > static_cast<double>(kMostExact) ||", "(", ("cli:SilentLosses.*",)),
     Mutant("backquotes stay in lists of names", "options", OPS + "declare/declaration.cpp",

@@ -34,7 +34,7 @@ class MadeFolders {
  private:
   void make(const std::filesystem::path& folder);
 
-  std::vector<std::filesystem::path> made_;  ///< each after its parent folder
+  std::vector<std::filesystem::path> made_;  ///< folders, outer before inner
   std::optional<Leftover> first_;
 };
 

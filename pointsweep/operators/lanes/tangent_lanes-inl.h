@@ -47,7 +47,7 @@ HWY_INLINE Vec3Lanes<V> UnitOrZero(const Vec3Lanes<V>& v) {
 
 /// Returns a unit tangent of the plane with unit normal n. `along` and `across` are orthogonal unit vectors; usually
 /// neither is exactly tangent. If `along` is the nearer to the plane, or as near, the result is its direction in the
-/// plane, else the tangent perpendicular to `across`. So the result exists unless n is 0.
+/// plane, else the tangent perpendicular to `across`. If n is 0, the result is `along`.
 template <class V>
 HWY_INLINE Vec3Lanes<V> Tangent(const Vec3Lanes<V>& n, const Vec3Lanes<V>& along, const Vec3Lanes<V>& across) {
   const V lift = Dot(n, along);

@@ -23,7 +23,7 @@ class SpillPlace {
   SpillPlace(const TempFolder* folder);  // NOLINT: implicit, since a folder is a place
   static SpillPlace kept(const std::filesystem::path& file);
 
-  /// True unless the place is memory.
+  /// Returns whether the place is a file, not memory.
   explicit operator bool() const { return !folder_.empty(); }
   bool is_kept() const { return !name_.empty(); }
   const std::filesystem::path& folder() const { return folder_; }

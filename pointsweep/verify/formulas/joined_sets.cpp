@@ -13,7 +13,8 @@ void Flatness::measure(Vector p) {
 
 void Flatness::add(Vector p) { covariance_.add_outer_product(1, p - first_ - (1 / points_) * sum_); }
 
-/// The error of the result: points that are displaced by at most d change the root of the mean square by at most d.
+/// The operator rounds each point to a place at most `displaced` away, which changes the root of the mean square by at
+/// most as much.
 Estimate Flatness::residual() const {
   if (points_ < 4) return {};
   const Real displaced = std::sqrt(Real{3}) * 0x1p-41L;

@@ -13,7 +13,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr int kFinest = 30;  ///< a grid has at most 2^30 cells along an axis
+constexpr int kFinest = 30;  ///< the finest grid divides the extent by 2^30
 
 /// Returns slightly more than the square root, so that rounding, also of squares below the range of double, excludes no
 /// point.
