@@ -54,8 +54,8 @@ class POINTSWEEP_EXPORT InOrderWork {
   virtual void add(unsigned round, const OrderedPoints& points, Findings& findings) = 0;
   /// Called after the last point of a round.
   virtual void end(unsigned round, Findings& findings) { (void)round, (void)findings; }
-  /// Returns, after the last round over all points of the cloud, what users should know of them, as the rest of a
-  /// sentence after the name of the operator and a colon; empty if there is nothing.
+  /// Returns a warning about all points of the cloud, without the name of the operator; empty if there is none. Called
+  /// after the last round.
   virtual std::string warning() const { return ""; }
 };
 

@@ -53,7 +53,7 @@ struct AttributeArrival {
   std::uint64_t rows_different = 0;       ///< number of rows whose values differ
   std::uint64_t first_different = 0;      ///< first row whose values differ
   double expected = 0, found = 0;         ///< values of input and output in row `first_different`
-  double rounded_by = 0;                  ///< largest change of a finite value by storing it in the type of the output
+  double rounded_by = 0;  ///< of x, y and z, the largest change of a value by storing it in the type of the output
 };
 
 /// The comparison of all points and attributes of the input with the points and attributes of the output.

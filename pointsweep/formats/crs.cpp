@@ -315,9 +315,11 @@ std::string length_unit_of(const Crs& crs) {
   return unit != nullptr ? unit->name : "";
 }
 
-std::string other_unit_of_heights(const Crs& crs) {
+std::optional<UnitOfHeights> other_unit_of_heights(const Crs& crs) {
   const LengthUnit *map = unit_of(crs), *heights = unit_of(crs, Along::heights);
-  return map != nullptr && heights != nullptr && map != heights ? heights->name : "";
+  if (map == nullptr || heights == nullptr) return std::nullopt;
+  const double ratio = heights->metres / map->metres;
+  return std::abs(ratio - 1) > 1e-5 ? std::optional(UnitOfHeights{heights->name, ratio}) : std::nullopt;
 }
 
 std::optional<double> metres_of_unit(const Crs& crs) {

@@ -49,9 +49,13 @@ enum class CrsAgreement : std::uint8_t { same, different, undecided };
 /// different numbers. All other cases are undecided, including equal codes of which only one has a code of heights.
 CrsAgreement compare(const Crs& a, const Crs& b);
 
-/// Returns the unit of heights, such as "US survey ft", if `crs` states it and it is not length_unit_of(); else an
-/// empty text.
-std::string other_unit_of_heights(const Crs& crs);
+struct UnitOfHeights {
+  std::string name;     ///< such as "US survey ft"
+  double in_map_units;  ///< length of the unit in the unit of x and y
+};
+/// Returns the unit of heights if `crs` states it, and another unit for x and y whose length differs by more than a
+/// hundred-thousandth.
+std::optional<UnitOfHeights> other_unit_of_heights(const Crs& crs);
 
 /// Returns the length in metres of the length unit of `crs`; nothing for geographic systems and for units other than
 /// the metre, the foot and the US survey foot.

@@ -8,7 +8,8 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kMostNames = 12;
-constexpr double kNoticed = 0.001;  ///< the conclusion tells of coordinates that are rounded by more than this
+/// The conclusion tells of coordinates that are rounded by more than kNoticed or this share of the extent.
+constexpr double kNoticed = 0.001, kNoticedShare = 1e-5;
 
 std::string names_text(const std::vector<std::string>& names) {
   std::string text;
@@ -36,7 +37,7 @@ std::string order_text(const Verdict& v) {
 std::string rounding_text(const Verdict& v, double least) {
   std::string text;
   for (const AttributeArrival& a : v.arrivals.attributes)
-    if ((a.name == "x" || a.name == "y" || a.name == "z") && a.rounded_by > least)
+    if (a.rounded_by > least)
       text += fmt::format("{}{} by up to {:.3g}", text.empty() ? "" : ", ", a.name, a.rounded_by);
   return text;
 }
@@ -88,7 +89,9 @@ std::string conclusion_of_what_is_open(const Verdict& v) {
 std::string conclusion(const Verdict& v) {
   if (!v.same()) return conclusion_of_what_differs(v);
   if (!v.is_complete()) return conclusion_of_what_is_open(v);
-  const std::string rounding = rounding_text(v, kNoticed);
+  const Vec3 extent = v.arrivals.bounds.extent();
+  const std::string rounding =
+      rounding_text(v, std::min(kNoticed, kNoticedShare * std::max({extent.x, extent.y, extent.z, 0.0})));
   std::string text = v.attributes_compared ? "inputs unchanged" : "";
   if (!rounding.empty()) text = "inputs unchanged but for rounding";
   if (v.sampled > 0) text += (text.empty() ? "" : ", ") + counted(v.sampled, "sample") + " correct";

@@ -12,6 +12,7 @@
 #include "pointsweep/program/formats.h"
 #include "python/binding/bindings.h"
 #include "python/binding/crs_values.h"
+#include "python/binding/python_threads.h"
 #include "python/binding/requests.h"
 #include "python/binding/result_arrays.h"
 
@@ -24,7 +25,7 @@ namespace {
 /// Returns (pairs of a path and its name in a folder of outputs, notices about files that are left out).
 nb::tuple list_files(const std::vector<std::filesystem::path>& named, bool recursive, const std::string& format) {
   const InputList list = [&] {
-    const nb::gil_scoped_release others_go_on;
+    const Detached others_go_on;
     return list_inputs(named, recursive, format);
   }();
   nb::list files;

@@ -5,6 +5,7 @@
 
 #include "pointsweep/error.h"
 #include "python/binding/bindings.h"
+#include "python/binding/python_threads.h"
 
 namespace nb = nanobind;
 
@@ -46,4 +47,5 @@ NB_MODULE(_core, module) {
   bind_crs(module);
   bind_checks(module);
   bind_parts(module);
+  nb::module_::import_("atexit").attr("register")(nb::cpp_function(attach_no_more));
 }

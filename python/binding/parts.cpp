@@ -152,7 +152,7 @@ nb::tuple perform(const std::filesystem::path& scratch, const nb::tuple& shared,
 void join_the_tiles(const std::filesystem::path& scratch, const std::vector<std::string>& left,
                     const std::vector<std::string>& paths, const std::string& key) {
   const std::unique_ptr<Storage> place = shared_storage(scratch);
-  const nb::gil_scoped_release others_go_on;
+  const Detached others_go_on;
   join_tiles(*place, left, paths, key);
 }
 
@@ -182,13 +182,13 @@ void join_the_pieces(const std::filesystem::path& scratch, const nb::tuple& shar
 
 /// Removes incomplete files of the outputs that killed workers have left. Lists each folder once.
 void remove_abandoned(const std::vector<std::filesystem::path>& outputs) {
-  const nb::gil_scoped_release others_go_on;
+  const Detached others_go_on;
   const ManyOutputs listed(outputs.size(), [&](std::size_t i) { return outputs[i]; });
 }
 
 void forget_task(const std::filesystem::path& scratch, const std::string& left) {
   const std::unique_ptr<Storage> place = shared_storage(scratch);
-  const nb::gil_scoped_release others_go_on;
+  const Detached others_go_on;
   forget(*place, left);
 }
 

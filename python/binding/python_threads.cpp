@@ -3,6 +3,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <atomic>
 #include <chrono>
 #include <exception>
 #include <semaphore>
@@ -13,8 +14,32 @@ namespace nb = nanobind;
 
 namespace pointsweep {
 
-void wait_at_exit() {
-  while (Py_IsInitialized() == 0) std::this_thread::sleep_for(std::chrono::hours(1));
+namespace {
+std::atomic<bool> is_ending = false;
+std::thread::id ending_thread;   ///< set before is_ending
+std::atomic<int> attaching = 0;  ///< number of threads that have not seen is_ending and may wait for the interpreter
+}  // namespace
+
+Detached::Detached() : state_(PyEval_SaveThread()) {}
+
+Detached::~Detached() {
+  ++attaching;
+  if (for_ever()) {
+    --attaching;
+    for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+  }
+  PyEval_RestoreThread(state_);
+  --attaching;
+}
+
+bool Detached::for_ever() { return is_ending && std::this_thread::get_id() != ending_thread; }
+
+void attach_no_more() {
+  ending_thread = std::this_thread::get_id();
+  is_ending = true;
+  PyThreadState* const state = PyEval_SaveThread();
+  while (attaching > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  PyEval_RestoreThread(state);
 }
 
 class PythonThreads::Thread {
@@ -34,7 +59,6 @@ class PythonThreads::Thread {
 
  private:
   void serve() {
-    wait_at_exit();
     const nb::gil_scoped_acquire attached;
     while (const auto* work = next()) {
       try {
@@ -49,7 +73,6 @@ class PythonThreads::Thread {
   const std::function<void()>* next() {
     const nb::gil_scoped_release others_run;
     given_.acquire();
-    wait_at_exit();
     return std::exchange(work_, nullptr);
   }
 

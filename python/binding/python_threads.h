@@ -2,6 +2,8 @@
 /// Threads on which the operators in Python of one run are called.
 #pragma once
 
+#include <nanobind/nanobind.h>
+
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -9,10 +11,24 @@
 
 namespace pointsweep {
 
-/// Blocks the calling thread for ever if the interpreter is ending. Must be called before a thread attaches to the
-/// interpreter that may be a daemon thread of Python or work for one: the interpreter would end such a thread in the
-/// middle of C++ code, which aborts the process.
-void wait_at_exit();
+/// Detaches the thread from the interpreter for a scope, so that other threads of Python run. If the interpreter ends
+/// meanwhile, which only a daemon thread can see, the end of the scope blocks the thread for ever: the interpreter
+/// would end a thread that attaches then in the middle of C++ code, which aborts the process.
+class Detached {
+ public:
+  Detached();
+  ~Detached();
+  Detached(const Detached&) = delete;
+  Detached& operator=(const Detached&) = delete;
+  /// Returns whether the end of the scope would block the thread.
+  static bool for_ever();
+
+ private:
+  PyThreadState* state_;
+};
+/// Lets no other thread attach at the end of a Detached any more, and waits for those that are about to. Must be called
+/// before the interpreter ends.
+void attach_no_more();
 
 /// A thread that the interpreter has not started gets a new thread state, with new `threading.local` values, each time
 /// that it attaches to the interpreter. The workers of a run are such threads, and the run does not own them. So a run

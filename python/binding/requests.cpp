@@ -15,6 +15,7 @@
 #include "pointsweep/url.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/crs_values.h"
+#include "python/binding/python_threads.h"
 
 namespace nb = nanobind;
 
@@ -39,7 +40,7 @@ Cloud open_cloud(const nb::list& source, bool with_rows, const nb::dict& options
       how.crs = StatedCrs{is_none ? std::nullopt : crs_from(crs), option<bool>(options, "replace_crs")};
     }
     const auto files = nb::cast<std::vector<std::filesystem::path>>(source);
-    const nb::gil_scoped_release others_go_on;  // a server may answer slowly
+    const Detached others_go_on;  // a server may answer slowly
     return Cloud(files, how);
   }
   std::vector<ArrayColumn> columns;

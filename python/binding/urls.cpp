@@ -10,6 +10,7 @@
 #include "pointsweep/storage/remote/remote_service.h"
 #include "pointsweep/url.h"
 #include "python/binding/bindings.h"
+#include "python/binding/python_threads.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -22,7 +23,7 @@ namespace {
 nb::object object_state(const std::string& url) {
   std::optional<RemoteVersion> found;
   {
-    const nb::gil_scoped_release others_go_on;
+    const Detached others_go_on;
     found = look_at(url);
   }
   if (!found) return nb::none();
@@ -34,7 +35,7 @@ nb::object get_object(const std::string& url) {
   std::vector<std::byte> bytes;
   std::optional<RemoteVersion> version;
   {
-    const nb::gil_scoped_release others_go_on;
+    const Detached others_go_on;
     version = look_at(url);
     if (version) {
       bytes.resize(version->size);
@@ -48,21 +49,21 @@ nb::object get_object(const std::string& url) {
 /// Returns whether the object was written. Without `overwrite`, an existing object stays unchanged.
 bool put_object(const std::string& url, const nb::bytes& content, bool overwrite) {
   const std::span bytes(reinterpret_cast<const std::byte*>(content.c_str()), content.size());
-  const nb::gil_scoped_release others_go_on;
+  const Detached others_go_on;
   if (!overwrite) return put_remote_if_absent(url, bytes);
   put_remote(url, bytes, true);
   return true;
 }
 
 std::vector<std::string> list_objects(const std::string& folder) {
-  const nb::gil_scoped_release others_go_on;
+  const Detached others_go_on;
   std::vector<std::string> urls;
   for (const RemoteEntry& entry : list_remote(folder, true)) urls.push_back(entry.url);
   return urls;
 }
 
 void remove_object(const std::string& url) {
-  const nb::gil_scoped_release others_go_on;
+  const Detached others_go_on;
   remove_remote(url);
 }
 

@@ -86,10 +86,9 @@ void watch(const Callbacks& callbacks, const std::function<void(Observer&)>& wor
   for (bool done = false; !done;) {
     Events events;
     {
-      const nb::gil_scoped_release others_run;
+      const Detached others_run;
       events = mailbox.look();
-      if (Py_IsInitialized() == 0) mailbox.cancel();
-      wait_at_exit();
+      if (Detached::for_ever()) mailbox.cancel();
     }
     done = events.done;
     if (raised) continue;
@@ -101,9 +100,8 @@ void watch(const Callbacks& callbacks, const std::function<void(Observer&)>& wor
     }
   }
   {
-    const nb::gil_scoped_release others_run;
+    const Detached others_run;
     worker.join();
-    wait_at_exit();
   }
   if (raised) std::rethrow_exception(raised);
   if (failed) std::rethrow_exception(failed);

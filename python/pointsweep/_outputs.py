@@ -78,11 +78,13 @@ def on_grid(source: Source, files: str | list[str]) -> dict[str, Any]:
 
 def _lies_on(grid: Grid, source: Source) -> bool:
     """Returns whether the finite coordinates of points in arrays are whole 32-bit numbers of steps away from the offset."""
+    if not min(grid.scale) > 0:
+        return False
     columns = {field: values[:, i] for fields, values in source.inputs for i, field in enumerate(fields)}
     for axis, scale, offset in zip("xyz", grid.scale, grid.offset):
         for first in range(0, len(columns[axis]), _BLOCK):
             with np.errstate(invalid="ignore"):
-                steps = (columns[axis][first : first + _BLOCK] - offset) / scale
+                steps = (columns[axis][first : first + _BLOCK].astype(np.float64) - offset) / scale
                 if np.any(np.abs(steps - np.rint(steps)) > _MOST_OF_A_STEP) or np.any(np.abs(steps[np.isfinite(steps)]) >= 2**31):
                     return False
     return True

@@ -127,9 +127,9 @@ class Arrays(dict):
         return _united(self, other) if isinstance(other, Mapping) else NotImplemented
 
     def __ior__(self, other: Any) -> Arrays:  # type: ignore[misc]
-        if isinstance(other, Arrays):
-            self._components = {**self._components, **other._components}
-        self.update(other)
+        united = _united(self, other)
+        self.update(united)
+        self.__dict__.update(united.__dict__)
         return self
 
     def __ror__(self, other: Mapping[str, Any]) -> Arrays:  # type: ignore[override]

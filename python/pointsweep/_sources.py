@@ -76,7 +76,7 @@ def source_of(
     if isinstance(points, (str, os.PathLike)) or _is_list_of_paths(points):
         points, crs = opened(Files, points, ignore_crs=options["ignore_crs"], crs=crs), None
     if isinstance(points, FilesWithColumns):
-        raise UsageError("points: these files have columns, which only run, chunks and plan read; write both to a file first.")
+        raise UsageError("points: these files have columns, which this function does not read; write both to a file first.")
     if isinstance(points, Files):
         return _source_of_files(points, attributes, crs, options)
     if isinstance(points, (list, tuple)) and any(are_points(part) or isinstance(part, FilesWithColumns) for part in points[:2]):

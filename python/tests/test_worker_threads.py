@@ -116,18 +116,21 @@ def test_pyproj_transforms_points_in_all_threads():
     assert np.array_equal(ps.run(xyz, degrees, threads=2)["degrees"], expected)
 
 
-def test_a_run_in_a_daemon_thread_does_not_abort_the_process_at_its_end():
-    program = """
+@pytest.mark.parametrize("points", [1_000, 2_000_000])
+def test_a_run_in_a_daemon_thread_does_not_abort_the_process_at_its_end(points):
+    program = f"""
 import threading, time
 import numpy as np
 import pointsweep as ps
-xyz = np.random.default_rng(1).random((2_000_000, 3))
+xyz = np.random.default_rng(1).random(({points}, 3))
 def go():
     while True:
-        ps.normals(xyz, k=32)
+        ps.normals(xyz, k=8)
 threading.Thread(target=go, daemon=True).start()
-time.sleep(0.5)
+end = time.time() + 0.3
+while time.time() < end:
+    sum(range(1000))
 """
-    for _ in range(3):
+    for _ in range(10):
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr

@@ -45,6 +45,10 @@ TEST_F(QuotedNames, AreAssigned) {
 
 TEST_F(QuotedNames, AreDroppedAndKept) {
   EXPECT_EQ(rows_of("drop(`Pulse width`, `c, (d`) | where(x < 1 and y < 2)").substr(0, 22), "x,y,z,a_b\n0,0,0,0\n0,1,");
+  made("run in.csv dropped.ply --pipeline 'drop(`c, (d`, `a|b`)'");
+  EXPECT_EQ(tool("verify in.csv dropped.ply").status, 0) << "by its record";
+  made("convert in.csv kept.ply --keep '`c, (d`,`a|b`'");
+  EXPECT_EQ(tool("verify in.csv kept.ply").status, 0) << "by its record";
   EXPECT_EQ(made("convert in.csv kept.csv --keep 'Pulse width'", "kept.csv").substr(0, 18), "x,y,z,Pulse_width\n");
   refused(2, "run in.csv out.csv -f --pipeline 'drop(Puls)'", "the input has x, y, z, Pulse width, a|b, c, (d");
   refused(2, "split in.csv parts --by 'Pulse width'", "set(part = floor(`Pulse width`), as=int32)");

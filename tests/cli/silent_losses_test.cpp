@@ -61,6 +61,9 @@ TEST_F(SilentLosses, ARowOfTextThatLacksACellIsAnErrorAndAnEmptyLastCellIsNot) {
     write("in.csv", fmt::format("x{0}y{0}z\n1{0}2{0}3\n4{0}5{0}\n7{0}8{0}9\n", separator));
     made("convert in.csv out.csv -f");
     EXPECT_THAT(contents(folder_ / "out.csv"), HasSubstr("4,5,nan")) << separator;
+    write("in.csv", fmt::format("x{0}y{0}z\n1{0}2{0}3\n4{0}5{0}\"\"\n7{0}8{0}9\n", separator));
+    made("convert in.csv out.csv -f");
+    EXPECT_THAT(contents(folder_ / "out.csv"), HasSubstr("4,5,nan")) << separator;
     write("in.csv", fmt::format("x{0}y{0}z\n1{0}2{0}3\n4{0}5\n7{0}8{0}9\n", separator));
     refused(1, "convert in.csv out.csv -f", "in.csv: line 3 has 2 values where 3 are expected");
   }
@@ -95,7 +98,8 @@ TEST_F(SilentLosses, WholeNumbersBeyondFloat64AreNotRoundedByArithmetic) {
   refused(1, "run in.csv out.csv --pipeline 'set(id = id + 1)'",
           "row 0: id is computed with whole numbers beyond 2^53, which arithmetic in float64 rounds");
   refused(1, "run in.csv out.csv --pipeline 'set(near = id - 9007199254740992, as=int64)'", "row 0: near is computed");
-  refused(1, "run in.csv out.csv --pipeline 'set(id = x * 9007199254740994 where x == 2)'", "row 2: id is computed");
+  refused(1, "run in.csv out.csv --pipeline 'set(id = id * 9007199254740994 where x == 2)'", "row 2: id is computed");
+  made("run in.csv c.csv --pipeline 'set(big = x * 9007199254740994, as=int64)'");
   made("run in.csv a.csv --pipeline 'set(id = id + 1 where x > 0)'");
   EXPECT_EQ(contents(folder_ / "a.csv"), "x,y,z,id\n0,0,0,9007199254740993\n1,0,0,-2\n2,0,0,5\n");
   made("run in.csv b.csv --pipeline 'set(copy = id, as=int64) | set(part = id / 1000, half = id / 2)'");
@@ -104,7 +108,8 @@ TEST_F(SilentLosses, WholeNumbersBeyondFloat64AreNotRoundedByArithmetic) {
 
 TEST_F(SilentLosses, AnOutputDoesNotReplaceTheFileToWhichAnOpenStreamGoes) {
   write("in.csv", "x,y,z\n0,0,0\n1,0,0\n2,1,0\n");
-  for (const std::string stream : {"/dev/stderr", "/dev/fd/2", "/proc/self/fd/2"}) {
+  std::filesystem::create_symlink("/dev/stderr", folder_ / "link");
+  for (const std::string stream : {"/dev/stderr", "/dev/fd/2", "/proc/self/fd/2", "link"}) {
     const Result result = tool("convert in.csv out.csv -f --stats " + stream);
     EXPECT_EQ(result.status, 1);
     EXPECT_EQ(result.err.rfind("error: " + stream + ": stands for an open stream", 0), 0u) << result.err;
@@ -116,8 +121,12 @@ TEST_F(SilentLosses, FilesOfAnEarlierRunAmongTheTilesAreAWarning) {
   const std::string words = "point files that this run did not write";
   EXPECT_THAT(said("tile all.las out --size 500"), Not(HasSubstr(words)));
   EXPECT_THAT(said("tile all.las out --size 500 -f"), Not(HasSubstr(words)));
-  EXPECT_THAT(said("run all.las out --tile 500 -f --pipeline 'where(x < 0)'"), HasSubstr(words));
-  EXPECT_THAT(said("run all.las out2 --tile 500 -f --pipeline 'where(x < 0)'"), Not(HasSubstr(words)));
+  EXPECT_THAT(said("run all.las out --tile 500 -f --pipeline 'where(x < 400)'"),
+              HasSubstr(words + " (500_0.las and 1 more)"));
+  EXPECT_THAT(said("run all.las out2 --tile 500 -f --pipeline 'where(x < 400)'"), Not(HasSubstr(words)));
+  made("tile all.las out3 --size 500 --buffer 200");
+  EXPECT_THAT(said("run all.las out3 --tile 500 --tile-buffer 200 -f --pipeline 'where(x < 400)'"),
+              HasSubstr(words + " (500_0.las and 1 more)"));
   refused(2, "tile all.las 'out/*_*.las' --size 500", "one '*' stands for the name of each file");
 }
 
@@ -146,6 +155,8 @@ TEST_F(SilentLosses, HeightsInAnotherUnitThanTheMapAreANoteWhereDistancesMatter)
     const std::string words = "normals: x and y are in m, but heights in US survey ft";
     EXPECT_EQ(note.find(words) != std::string::npos, unit.find("foot") != std::string::npos) << note;
     EXPECT_THAT(said("convert in.las out.las -f"), Not(HasSubstr("heights in")));
+    EXPECT_THAT(said("run in.las out.las -f --pipeline 'knn(k=5) | set(z = z * 0.3048006096012192) | normals'"),
+                Not(HasSubstr("heights in")));
   }
 }
 
@@ -159,11 +170,11 @@ TEST_F(SilentLosses, GroundWithoutAPointThatTakesPartIsAWarningAndSoAreHeightsWi
 }
 
 TEST_F(SilentLosses, VerifyTellsOfRoundingAndOfPointsThatStagesLeaveOut) {
-  write("in.csv", "x,y,z\n0.25,0,0\n1,2,0\n2,4,8\n");
+  write("in.csv", "X,Y,Z\n0.25,0,0\n1,2,0\n2,4,8\n");
   made("convert in.csv coarse.las --scale 4");
   made("convert coarse.las again.las");
   EXPECT_THAT(made("verify in.csv again.las", ".out"),
-              AllOf(HasSubstr("rounded            x by up to 2, y by up to 2\n"),
+              AllOf(HasSubstr("rounded            X by up to 2, Y by up to 2\n"),
                     HasSubstr("OK: inputs unchanged but for rounding\n")));
   made("convert in.csv fine.las");
   EXPECT_THAT(

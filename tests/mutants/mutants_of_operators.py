@@ -481,9 +481,9 @@ MUTANTS = [
     Mutant("the canonical form of a name lacks its backquotes", "set", OPS + "expressions/expression.cpp",
            "canonical_ += spelled_name(name);", "canonical_ += name;", ("operators:Expression.*",)),
     Mutant("operands beyond 2^53 count as exact", "set", OPS + "rows/set.cpp",
-           "is_beyond_float64(batch.values(), i));", "is_beyond_float64({}, i));", ("cli:SilentLosses.*",)),
+           "(v.is_signed && number >> 63 != 0 ? 0 - number : number) > kMostExact;", "number == 1;", ("cli:SilentLosses.*",)),
     Mutant("results beyond 2^53 count as exact", "set", OPS + "rows/set.cpp",
-           "(std::abs(reals[i]) > static_cast<double>(kMostExact) ||", "(", ("cli:SilentLosses.*",)),
+           "return std::abs(result) > static_cast<double>(kMostExact) ||", "return (void(result), false) ||", ("cli:SilentLosses.*",)),
     Mutant("backquotes stay in lists of names", "options", OPS + "declare/declaration.cpp",
-           "    if (c == '`')", "    if (c == 1)", ("cli:QuotedNames.*",)),
+           'const std::size_t close = begin < list.size() &&', 'const std::size_t close = begin > list.size() &&', ("cli:QuotedNames.*",)),
 ]

@@ -140,6 +140,8 @@ struct OperatorDeclaration {
 
 /// Splits "a,b" into {"a", "b"}: the words of an option of the kind `names`. A word between backquotes may have commas.
 POINTSWEEP_EXPORT std::vector<std::string> words_of(std::string_view list);
+/// Joins words to a list that words_of() splits: "a,b". Words with a comma get backquotes.
+POINTSWEEP_EXPORT std::string list_of_words(const std::vector<std::string>& words);
 /// Parses "1,2.5" to {1, 2.5}: an option of the kind `numbers`. Returns an empty list if a word is no finite number.
 POINTSWEEP_EXPORT std::vector<double> numbers_of(std::string_view list);
 /// Returns {1, 2.5} as "1,2.5": each number in its shortest form, so that equal lists have equal texts.

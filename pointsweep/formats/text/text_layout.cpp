@@ -241,9 +241,9 @@ void split_cells(std::string_view line, Separator separator, std::vector<std::st
   }
   for (std::size_t at = 0; at <= line.size();) {
     const std::size_t end = find_unquoted(line, at, [=](char c) { return c == static_cast<char>(separator); });
-    const std::string_view cell = cell_of(line.substr(at, end - at));
-    if (end == line.size() && cell.empty()) return;
-    cells.push_back(cell);
+    const std::string_view raw = line.substr(at, end - at);
+    if (end == line.size() && raw.find_first_not_of(" \t\r\n") == raw.npos) return;
+    cells.push_back(cell_of(raw));
     at = end + 1;
   }
 }

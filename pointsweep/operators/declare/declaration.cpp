@@ -146,17 +146,24 @@ const OptionValue* OptionValues::find(std::string_view name) const {
 }
 
 std::vector<std::string> words_of(std::string_view list) {
-  std::vector<std::string> words(1);
-  bool is_quoted = false;
-  for (const char c : list) {
-    if (c == '`')
-      is_quoted = !is_quoted;
-    else if (c == ',' && !is_quoted)
-      words.emplace_back();
-    else
-      words.back() += c;
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t close = begin < list.size() && list[begin] == '`' ? list.find('`', begin + 1) : list.npos;
+    const bool is_quoted = close != list.npos && (close + 1 == list.size() || list[close + 1] == ',');
+    const std::size_t end = is_quoted ? close + 1 : std::min(list.find(',', begin), list.size());
+    words.emplace_back(is_quoted ? list.substr(begin + 1, close - begin - 1) : list.substr(begin, end - begin));
+    begin = end + 1;
   }
   return words;
+}
+
+std::string list_of_words(const std::vector<std::string>& words) {
+  std::string list;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const char* const quote = words[i].find(',') != std::string::npos ? "`" : "";
+    list += fmt::format("{}{}{}{}", i == 0 ? "" : ",", quote, words[i], quote);
+  }
+  return list;
 }
 
 std::vector<double> numbers_of(std::string_view list) {

@@ -36,7 +36,7 @@ inline OptionValue value_of_member(const std::string& text, const ChoiceWords&) 
   return text.empty() ? OptionValue() : OptionValue(text);
 }
 inline OptionValue value_of_member(const std::vector<std::string>& words, const ChoiceWords&) {
-  return words.empty() ? OptionValue() : OptionValue(fmt::format("{}", fmt::join(words, ",")));
+  return words.empty() ? OptionValue() : OptionValue(list_of_words(words));
 }
 inline OptionValue value_of_member(const std::vector<double>& numbers, const ChoiceWords&) {
   return numbers.empty() ? OptionValue() : OptionValue(text_of_numbers(numbers));

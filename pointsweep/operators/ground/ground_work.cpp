@@ -74,7 +74,7 @@ void GroundWork::end(unsigned round, Findings&) {
 }
 
 std::string GroundWork::warning() const {
-  if (lowest_.most_columns() > 0) return "";
+  if (lowest_.most_columns() > 0 || !has_points_) return "";
   return "no point takes part, so that none is ground: all are noise (class 7 or 18) or no last returns; see the "
          "options noise and returns.";
 }
@@ -93,6 +93,7 @@ std::uint8_t GroundWork::class_of_others(const double* values) const {
 }
 
 void GroundWork::add_lowest(const OrderedPoints& points) {
+  has_points_ = has_points_ || !points.rows.empty();
   for (std::size_t i = 0; i < points.rows.size(); ++i)
     if (takes_part(points.values.data() + i * values_))
       lowest_.add(row_number(points.places[i]), column_number(points.places[i]), points.positions[i].z);

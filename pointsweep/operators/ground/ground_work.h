@@ -65,6 +65,7 @@ class GroundWork final : public InOrderWork {
   std::size_t values_;
   InOrderSetup setup_;
   LowestCells lowest_;
+  bool has_points_ = false;
   BandedRows rows_;  ///< rows of the second round
   std::optional<std::size_t> opened_;
   std::optional<CellBand> band_;  ///< the band number `opened_`

@@ -50,13 +50,17 @@ class HeightWork final : public InOrderWork {
     if (round == 0) ground_.finish();
   }
   std::string warning() const override {
-    return has_ground_ ? "" : "no point has class 2 (ground), so that all heights are NaN; find the ground first.";
+    return has_ground_ || !has_points_
+               ? ""
+               : "no point has class 2 (ground), so that all heights are NaN; find the ground first.";
   }
 
  private:
   void add_ground(const OrderedPoints& points) {
     for (std::size_t i = 0; i < points.rows.size(); ++i)
-      if (points.values[i] == kGroundClass) has_ground_ = true, ground_.add(points.positions[i], points.rows[i]);
+      if (points.values[i] == kGroundClass) ground_.add(points.positions[i], points.rows[i]);
+    has_points_ = true;
+    has_ground_ = has_ground_ || std::ranges::find(points.values, double{kGroundClass}) != points.values.end();
   }
 
   void measure(const OrderedPoints& points, Findings& findings) {
@@ -68,7 +72,7 @@ class HeightWork final : public InOrderWork {
   }
 
   std::size_t k_;
-  bool has_ground_ = false;
+  bool has_points_ = false, has_ground_ = false;
   PointCells ground_;
 };
 

@@ -2,7 +2,6 @@
 #include "pointsweep/operators/kinds/stage_operator.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +11,7 @@
 #include "pointsweep/overloaded.h"
 #include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/points/neighborhood_options.h"
+#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 namespace {
@@ -119,7 +119,7 @@ Options options_of(const ChainStage& stage) {
   return std::visit(
       overloaded{[]<class Kind>(const std::shared_ptr<const Kind>& op) { return op->declared_options(); },
                  [](const Drop& drop) -> Options {
-                   return {{"attributes", fmt::format("{}", fmt::join(drop.attributes, ","))}};
+                   return {{"attributes", list_of_words(drop.attributes)}};
                  },
                  [](const Reneighbor& r) { return r.neighborhood ? options_of(*r.neighborhood) : Options(); },
                  [](const Resort&) { return Options(); }},

@@ -48,12 +48,14 @@ constexpr LasType kTypesOfLas[] = {{"classification", Type::u8},
 
 constexpr std::uint64_t kMostExact = std::uint64_t{1} << 53;  ///< float64 holds all whole numbers up to this one
 
-/// Returns whether a 64-bit integer among the values of point `i` is beyond 2^53.
-bool is_beyond_float64(std::span<const ExpressionValues> values, std::size_t i) {
+/// Returns whether a 64-bit integer takes part in the result of point `i` that float64 may have rounded: an integer
+/// beyond 2^53, or any if `result` is beyond 2^53.
+bool may_be_rounded(std::span<const ExpressionValues> values, std::size_t i, double result) {
   return std::ranges::any_of(values, [&](const ExpressionValues& v) {
     if (v.whole == nullptr) return false;
     const std::uint64_t number = v.whole[i];
-    return (v.is_signed && number >> 63 != 0 ? 0 - number : number) > kMostExact;
+    return std::abs(result) > static_cast<double>(kMostExact) ||
+           (v.is_signed && number >> 63 != 0 ? 0 - number : number) > kMostExact;
   });
 }
 
@@ -358,10 +360,7 @@ void SetAttribute::assign(const Neighborhoods& in, Columns& out) const {
     if (!holds[i]) continue;
     if (!is_exact) {
       const std::optional<T> number = stored<T>(reals[i], is_finite(in.position(i)));
-      const bool may_be_rounded =
-          std::is_integral_v<T> && sizeof(T) == 8 &&
-          (std::abs(reals[i]) > static_cast<double>(kMostExact) || is_beyond_float64(batch.values(), i));
-      if (number && may_be_rounded)
+      if (number && std::is_integral_v<T> && sizeof(T) == 8 && may_be_rounded(batch.values(), i, reals[i]))
         refused.note(in.row(i), [&] { return inexact(); });
       else if (number)
         value[component_] = *number;

@@ -43,6 +43,13 @@ bool needs_lengths(const ChainStage& stage) {
   return std::ranges::any_of(declared_options(stage), is_length);
 }
 
+/// Returns whether the stage may move points. The contract of `set` does not tell before the attributes are known.
+bool may_move_points(const ChainStage& stage) {
+  if (operator_of(stage) == nullptr) return false;
+  const std::vector<Attribute> made = contract_of(stage).makes;
+  return name_of(stage) == "set" || std::ranges::find(made, Kind::position, &Attribute::kind) != made.end();
+}
+
 double metres_per_unit(const InputCloud& cloud) {
   if (!cloud.crs() || cloud.ignores_crs()) return 1;
   return metres_of_unit(*cloud.crs()).value_or(1);
@@ -154,25 +161,26 @@ std::vector<std::string> notes_on_inputs(const InputCloud& cloud, const Chain& c
         "the inputs have the attribute 'buffer', as tiles with buffers have: points in a buffer may be in two tiles "
         "and then count twice; the stage where(buffer == 0) leaves the copies out.");
   if (!cloud.crs() || cloud.ignores_crs()) return sentences;
-  const std::string heights = other_unit_of_heights(*cloud.crs());
-  if (const auto stage = std::ranges::find_if(chain.stages, needs_lengths);
-      !heights.empty() && stage != chain.stages.end())
+  const std::optional<UnitOfHeights> heights = other_unit_of_heights(*cloud.crs());
+  const auto stage = std::ranges::find_if(chain.stages, needs_lengths);
+  const bool moves = std::any_of(chain.stages.begin(), stage, may_move_points);
+  if (heights && stage != chain.stages.end() && !moves)
     sentences.push_back(
         fmt::format("{}: x and y are in {}, but heights in {}; distances take them for the same unit. "
-                    "Convert the heights before, with the stage set(z = z * FACTOR).",
-                    name_of(*stage), length_unit_of(*cloud.crs()), heights));
+                    "Convert the heights before, with the stage set(z = z * {}).",
+                    name_of(*stage), length_unit_of(*cloud.crs()), heights->name, heights->in_map_units));
   const std::optional<double> stated = metres_of_unit(*cloud.crs());
   if (stated == 1) return sentences;
-  for (const ChainStage& stage : chain.stages) {
-    const std::string options = default_options(stage, stated.value_or(1));
+  for (const ChainStage& each : chain.stages) {
+    const std::string options = default_options(each, stated.value_or(1));
     if (options.empty()) continue;
     sentences.push_back(
-        stated ? fmt::format("{}: the unit of the cloud is {}, so these defaults are converted: {}.", name_of(stage),
+        stated ? fmt::format("{}: the unit of the cloud is {}, so these defaults are converted: {}.", name_of(each),
                              length_unit_of(*cloud.crs()), options)
                : fmt::format("{}: the input does not state the unit of {}, so it counts as the metre in these "
                              "defaults: "
                              "{}. Give them in feet if it is the foot.",
-                             name_of(stage), short_text(*cloud.crs()), options));
+                             name_of(each), short_text(*cloud.crs()), options));
   }
   return sentences;
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/program/declaration.h"
 #include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
@@ -58,9 +59,9 @@ std::string value_of_option(const Json& value, const std::string& name, const st
     return *text;
   };
   if (!value.is_array()) return text_of(value);
-  std::string list;
-  for (const Json& element : value) list += (list.empty() ? "" : ",") + text_of(element);
-  return list;
+  std::vector<std::string> words;
+  for (const Json& element : value) words.push_back(text_of(element));
+  return list_of_words(words);
 }
 
 StageText stage_of(const Json& json, const std::string& place) {
@@ -193,6 +194,8 @@ class OurStages {
   void assign(PdalStage& s) { ours("set", s, {{"", lower_case_where(s.required("value"))}}); }
   void crop(PdalStage& s) {
     const std::string polygon = s.take("polygon", "");
+    if (!polygon.empty() && s.take("bounds"))
+      fail_usage("{}: filters.crop has bounds and a polygon; give one of them.", s.place());
     ours("crop", s,
          {polygon.empty() ? std::pair("bounds", crop_bounds(s.required("bounds"), s.place()))
                           : std::pair("polygon", polygon),

@@ -6,6 +6,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/number_from.h"
+#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 namespace {
@@ -88,8 +89,7 @@ Vec3 parse_vector(std::string_view option, std::string_view text) {
 }
 
 std::vector<std::string> parse_names(std::string_view option, const std::string& text) {
-  std::vector<std::string> names(1);
-  for (const char c : text) c == ',' ? void(names.emplace_back()) : names.back().push_back(c);
+  std::vector<std::string> names = words_of(text);
   for (const std::string& name : names)
     if (name.empty()) fail_usage("{}: '{}' is not a list of attributes such as normal,splat_length.", option, text);
   return names;

@@ -13,6 +13,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/number_from.h"
+#include "pointsweep/program/declaration.h"
 #include "pointsweep/program/quantities.h"
 
 namespace pointsweep {
@@ -99,7 +100,8 @@ std::string text_of(const std::filesystem::path& value) { return value.string();
 std::string text_of(std::uint64_t bytes) { return fmt::format("{}B", bytes); }
 std::string text_of(unsigned number) { return fmt::format("{}", number); }
 std::string text_of(const std::vector<std::string>& names) {
-  return fmt::format("{}", fmt::join(std::set<std::string>(names.begin(), names.end()), ","));
+  const std::set<std::string> distinct(names.begin(), names.end());
+  return list_of_words({distinct.begin(), distinct.end()});
 }
 
 /// Completes the declaration of an option whose value is `member` of RunOptions: a pointer to a data member, or a

@@ -325,15 +325,20 @@ void DividedWriter::finish() {
 void DividedWriter::warn_of_other_files() {
   const std::filesystem::path folder = folder_of(divider_.plan().path);
   std::set<std::filesystem::path> written;
-  for (const DividedFile& file : records_.files()) written.insert(divider_.path_of(file.key).filename());
-  std::vector<std::string> others;
-  for (const std::filesystem::directory_entry& entry : entries_of(folder))
-    if (!is_hidden(entry.path()) && is_point_file(entry.path()) && !written.contains(entry.path().filename()))
-      others.push_back(entry.path().filename().string());
+  for (const DividedFile& file : records_.files())
+    if (file.own > 0) written.insert(divider_.path_of(file.key).filename());
+  std::set<std::string> others;
+  try {
+    for (const std::filesystem::directory_entry& entry : entries_of(folder))
+      if (!is_hidden(entry.path()) && !written.contains(entry.path().filename()) && is_point_file(entry.path()))
+        others.insert(entry.path().filename().string());
+  } catch (const Error&) {
+    return;  // the folder or a file in it may not be read; all files of the run are complete
+  }
   if (others.empty()) return;
   add_warning(fmt::format(
-      "{}: has {} point files that this run did not write, such as {}; a run over the folder reads them, too.",
-      folder.string(), others.size(), others.front()));
+      "{}: has point files that this run did not write ({}{}); a run over the folder reads them, too.", folder.string(),
+      *others.begin(), others.size() > 1 ? fmt::format(" and {} more", others.size() - 1) : ""));
 }
 
 }  // namespace pointsweep

@@ -15,6 +15,7 @@
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/output/output_formats.h"
+#include "pointsweep/program/declaration.h"
 #include "pointsweep/program/run_options.h"
 #include "pointsweep/row_error.h"
 #include "pointsweep/storage/local/place.h"
@@ -42,7 +43,7 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
     if (!value.empty()) record.settings.emplace_back(name, value);
   };
   const bool in_order = run.stages == std::vector<std::string>{"sort"} || options.order == Order::sweep;
-  set("keep", fmt::format("{}", fmt::join(run.keep, ",")));
+  set("keep", list_of_words(run.keep));
   for (const RunOption& option : run_options()) {
     if (option.effect != RunOption::Effect::values) continue;
     // The record states the axis that the run has chosen, and whether points were dropped, instead of the options.

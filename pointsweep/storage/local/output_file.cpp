@@ -70,9 +70,16 @@ void check_url(const fs::path& destination, bool overwrite) {
 /// Returns whether a path such as /dev/stderr or /dev/fd/3 stands for a stream that is open in this process. Replacing
 /// it would replace the file to which the stream goes.
 bool is_open_stream(const fs::path& destination) {
+  constexpr int kMostLinks = 40;
   std::error_code error;
-  const auto in_proc = [](const fs::path& path) { return path.native().starts_with("/proc/"); };
-  return in_proc(fs::read_symlink(destination, error)) || in_proc(fs::canonical(folder_of(destination), error));
+  fs::path place = destination;
+  for (int links = 0; links < kMostLinks; ++links) {
+    if (fs::canonical(folder_of(place), error).native().starts_with("/proc/")) return true;
+    const fs::path next = fs::read_symlink(place, error);
+    if (error) return false;
+    place = folder_of(place) / next;
+  }
+  return false;
 }
 
 void check_destination(const fs::path& destination, bool overwrite) {

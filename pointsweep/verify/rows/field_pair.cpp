@@ -57,6 +57,11 @@ double stored_and_read(Field field, double value) {
   return value_of(field, bytes);
 }
 
+bool is_axis_name(const std::string& name) {
+  const std::string known = library_name_of(name);
+  return known == "x" || known == "y" || known == "z";
+}
+
 struct Place {
   std::size_t field;
   std::uint32_t component;
@@ -157,6 +162,7 @@ FieldPair::FieldPair(std::string name, const Field& from, std::uint32_t from_com
       from_(component_of(from, from_component)),
       to_(component_of(to, to_component)),
       places_(places),
+      is_coordinate_(is_axis_name(name_)),
       decimals_(Field{}) {
   compare_as(from_, to_);
 }
@@ -194,7 +200,7 @@ std::uint64_t FieldPair::expected(const std::byte* from_record) const {
 double FieldPair::rounding(const std::byte* from_record) const {
   if (bitwise_) return 0;
   const double value = value_of(from_, from_record), change = std::abs(stored(value) - value);
-  return change > std::ldexp(std::abs(value), -50) ? change : 0;
+  return change > std::ldexp(std::abs(value) + std::abs(to_file_.bias), -50) ? change : 0;
 }
 
 std::uint64_t FieldPair::found(const std::byte* to_record) const {
@@ -222,7 +228,7 @@ std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::si
   const std::optional<Schema> scaled = has_wide_colors(to) ? with_wide_colors(from) : std::nullopt;
   const Field& field = (scaled ? *scaled : from).fields[index];
   const PlaceFinder finder(from, index, to, stored_name);
-  const bool is_coordinate = field.name == "x" || field.name == "y" || field.name == "z";
+  const bool is_coordinate = is_axis_name(field.name);
   std::vector<FieldPair> pairs;
   for (std::uint32_t c = 0; c < field.count; ++c) {
     const auto place = finder.find(c);

@@ -43,6 +43,7 @@ class FieldPair {
   FieldPair in_files(const Schema* from, const Schema* to) const;
 
   const std::string& name() const { return name_; }
+  bool is_coordinate() const { return is_coordinate_; }
   const std::string& name_in_output() const { return to_.name; }
   /// Returns a hash, equal for equal values: expected() for a record with `from`, found() for a record with `to`.
   std::uint64_t expected(const std::byte* from_record) const;
@@ -68,6 +69,7 @@ class FieldPair {
   Field from_, to_;
   Field from_file_, to_file_;  ///< the fields as the files store them
   StoredPlaces places_;
+  bool is_coordinate_;
   bool bitwise_;
   GridDecimals decimals_;  ///< decimal fractions of integers on a decimal grid, as text files hold them
   bool single_;

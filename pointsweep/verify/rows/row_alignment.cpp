@@ -241,7 +241,8 @@ class Comparison {
   void note_rounding(std::uint64_t row, const std::byte* in) {
     const std::span<const FieldPair> pairs = pairs_.of_input(row);
     for (std::size_t p = 0; p < pairs.size(); ++p)
-      result_.attributes[p].rounded_by = std::max(result_.attributes[p].rounded_by, pairs[p].rounding(in));
+      if (pairs[p].is_coordinate())
+        result_.attributes[p].rounded_by = std::max(result_.attributes[p].rounded_by, pairs[p].rounding(in));
   }
 
   /// Moves fields with a value other than 0 from `absent_` to the missing attributes: an output may lack a field of its
