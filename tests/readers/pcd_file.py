@@ -31,7 +31,7 @@ def colors(packed, name):
     places = {"red": 16, "green": 8, "blue": 0}
     if name == "rgba":
         places["alpha"] = 24
-    return {channel: (bits >> place) & 255 for channel, place in places.items()}
+    return {channel: (bits >> place).astype(np.uint8) for channel, place in places.items()}
 
 
 def read_rows(path):

@@ -7,7 +7,6 @@
 #include <memory>
 #include <span>
 
-#include "pointsweep/fail.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 
@@ -134,8 +133,6 @@ Features::Features(FeaturesOptions options) : options_(std::move(options)), made
   std::ranges::sort(options_.names, {}, place);
   if (options_.names == known) options_.names.clear();
   features_options().declare(*this, options_);
-  if (!options_.names.empty() && place(options_.names.back()) == std::ssize(known))
-    fail_usage("features: '{}' is no name of a feature.", options_.names.back());
 }
 
 Contract Features::contract() const {

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/program/declaration.h"
 #include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
@@ -59,9 +58,9 @@ std::string value_of_option(const Json& value, const std::string& name, const st
     return *text;
   };
   if (!value.is_array()) return text_of(value);
-  std::vector<std::string> words;
-  for (const Json& element : value) words.push_back(text_of(element));
-  return list_of_words(words);
+  std::string list;
+  for (const Json& element : value) list += (list.empty() ? "" : ",") + text_of(element);
+  return list;
 }
 
 StageText stage_of(const Json& json, const std::string& place) {
