@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::size_t kSwept = 100000;
 
-Statistics sweep_of(const CloudShape& shape, std::size_t k = 8) {
-  const Chain chain{{.k = k}, {std::make_shared<NeighborRows>(k, kSwept, false)}};
-  return run_in_memory(make_cloud(shape, kSwept, 3), chain, small_slabs(3000, 256, 1)).statistics;
+Statistics sweep_of(const CloudShape& shape, std::size_t k = 8, std::size_t points = kSwept) {
+  const Chain chain{{.k = k}, {std::make_shared<NeighborRows>(k, points, false)}};
+  return run_in_memory(make_cloud(shape, points, 3), chain, small_slabs(3000, 256, 1)).statistics;
 }
 
 Vec3 on_sphere(std::mt19937_64& r) {
@@ -43,12 +43,15 @@ TEST(Window, HoldsNoMoreForOutliersThanTheOutliers) {
 TEST(Window, HoldsNoMoreForAWallAcrossTheAxis) {
   for (const double noise : {0.0, 1e-4, 1e-3}) {
     SCOPED_TRACE(noise);
-    const Statistics s = sweep_of([&](auto& r) {
-      return uniform(r) < 0.5 ? Vec3{4 + noise * uniform(r), uniform(r), uniform(r)}
-                              : Vec3{10 * uniform(r), uniform(r), 0};
-    });
-    EXPECT_LT(s.peak_points, kSwept / 3);
-    EXPECT_LT(s.recalled, kSwept / 200);
+    constexpr std::size_t kPoints = 4 * kSwept;  // in fewer points, the cells beside the floor are most of the wall
+    const Statistics s = sweep_of(
+        [&](auto& r) {
+          return uniform(r) < 0.5 ? Vec3{4 + noise * uniform(r), uniform(r), uniform(r)}
+                                  : Vec3{10 * uniform(r), uniform(r), 0};
+        },
+        8, kPoints);
+    EXPECT_LT(s.peak_points, kPoints / 4);
+    EXPECT_LT(s.recalled, kPoints / 200);
   }
 }
 
