@@ -116,10 +116,10 @@ TEST(Run, CountsTheBytesThatARecallReadsFromTheTemporaryFolder) {
   std::size_t recalls = 0;
   for (const auto& [name, shape] : hostile_shapes()) {
     SCOPED_TRACE(name);
-    const std::vector<Vec3> points = make_cloud(shape, sized(1500), 8);
+    const std::vector<Vec3> points = make_cloud(shape, 1500, 8);
     const Chain chain{{.k = 8}, {std::make_shared<Normals>()}};
-    const Statistics in_memory = run_in_memory(points, chain, small_slabs(100, 32)).statistics;
-    const Statistics spilled = run_in_memory(points, chain, small_slabs(100, 32, 2, true)).statistics;
+    const Statistics in_memory = run_in_memory(points, chain, small_slabs(60, 16)).statistics;
+    const Statistics spilled = run_in_memory(points, chain, small_slabs(60, 16, 2, true)).statistics;
     EXPECT_EQ(spilled.bytes_read > in_memory.bytes_read, spilled.recalled > 0);
     if (spilled.recalled == 0) continue;
     ++recalls;
