@@ -38,7 +38,8 @@ void attach_no_more() {
   ending_thread = std::this_thread::get_id();
   is_ending = true;
   PyThreadState* const state = PyEval_SaveThread();
-  while (attaching > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  // In a forked process, threads that were about to attach exist no more, so the wait has an end.
+  for (int tries = 0; attaching > 0 && tries < 1000; ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   PyEval_RestoreThread(state);
 }
 

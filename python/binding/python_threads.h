@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Threads on which the operators in Python of one run are called.
+/// Threads that attach to the interpreter of Python: those that wait for the library without it, and those on which the
+/// operators in Python of one run are called.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -26,6 +27,7 @@ class Detached {
  private:
   PyThreadState* state_;
 };
+
 /// Lets no other thread attach at the end of a Detached any more, and waits for those that are about to. Must be called
 /// before the interpreter ends.
 void attach_no_more();
