@@ -7,7 +7,7 @@
 namespace pointsweep {
 namespace {
 
-/// What the script of a shell offers for a value, by kind. {} stands for the words that the value may be.
+/// Texts by which the script of a shell offers values, one for each Offer. {} stands for DeclaredOption::words.
 struct OfferTexts {
   const char *words, *files, *folders, *pipeline, *nothing;
 

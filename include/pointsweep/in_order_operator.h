@@ -79,7 +79,7 @@ struct InOrderSetup {
   MakeScratch make_scratch = {};
   GiveOtherPoints other_points = {};  ///< passes on the points of InOrderOperator::other_cloud()
   /// Returns whether points of the cloud within a distance of a position may be missing. Empty: no points are missing.
-  /// Only operators whose Reach is an estimate (Reach::is_guess) call this function.
+  /// Called only by operators whose Reach is an estimate (Reach::is_guess).
   std::function<bool(Vec3 position, double distance)> may_lack = {};
 };
 

@@ -48,7 +48,7 @@ def require_own_memory(into: Mapping[str, np.ndarray], source: Source) -> None:
     for i, (name, array) in enumerate(named):
         for other, earlier in named[:i]:
             if _share_memory(array, earlier):
-                raise UsageError(f"out: '{name}' and '{other}' share memory; give each result an array of its own.")
+                raise UsageError(f"out: '{name}' and '{other}' share memory; give a separate array for each result.")
         for fields, column in [] if source.is_files else source.inputs:
             places = [(a.ctypes.data, a.shape, a.itemsize) for a in (array, column)]
             is_same = column.flags.c_contiguous and places[0] == places[1]

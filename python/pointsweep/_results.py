@@ -127,7 +127,7 @@ class Arrays(dict):
         return _united(self, other) if isinstance(other, Mapping) else NotImplemented
 
     def __ior__(self, other: Any) -> Arrays:  # type: ignore[misc]
-        united = _united(self, other)
+        united = _united(self, other if isinstance(other, Mapping) else dict(other))
         self.update(united)
         self.__dict__.update(united.__dict__)
         return self

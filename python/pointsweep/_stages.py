@@ -529,9 +529,10 @@ def assign(
 
     Undefined
     ---------
-    A value that the type cannot hold ends the run with an error that names the row, and so do arithmetic with whole
-    numbers beyond 2^53 for a type of 64 bits, which float64 may round, and a NaN or infinite coordinate for a point
-    that has a finite place. Points without a finite place are assigned to like all others.
+    A value that the type cannot hold ends the run with an error that names the row, and so does arithmetic with
+    attributes of 64-bit integers, for a type of 64 bits, where they or the result are beyond 2^53 and float64 may
+    round; and so does a NaN or infinite coordinate for a point that has a finite place. Points without a finite
+    place are assigned to like all others.
 
     Cost
     ----

@@ -266,6 +266,9 @@ def test_copies_and_unions_of_results_are_results(surface):
         assert made["xyz"] is t["xyz"]
     grown = t.copy()
     grown |= other
+    paired = grown.copy()
+    paired |= [("again", grown["xyz"][:, 0])]
+    assert type(paired) is type(grown) and paired.crs == grown.crs and paired["again"] is not None and "again" not in grown
     assert isinstance(grown, ps.Arrays) and list(grown.columns())[-3:] == ["red", "green", "blue"] and "color" not in t
     with pytest.raises(TypeError):
         t | 3

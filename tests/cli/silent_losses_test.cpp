@@ -23,6 +23,14 @@ class SilentLosses : public Tool {
     EXPECT_EQ(result.status, 0) << arguments << "\n" << result.err;
     return result.err;
   }
+  static las_test::File las_file(int minor, int format) {
+    las_test::File file;
+    file.minor = minor;
+    file.format = format;
+    file.count = 60;
+    file.scale = {0.001, 0.001, 0.001};
+    return file;
+  }
   /// Returns the values of each point of a LAS file.
   std::vector<las_test::Values> points_of(const std::string& name) const {
     const las_test::Decoded file{contents(folder_ / name)};
@@ -138,11 +146,7 @@ TEST_F(SilentLosses, PointsInTheBuffersOfTilesAreANoteUnlessTheyAreLeftOut) {
 }
 
 TEST_F(SilentLosses, HeightsInAnotherUnitThanTheMapAreANoteWhereDistancesMatter) {
-  las_test::File file;
-  file.minor = 4;
-  file.format = 6;
-  file.count = 60;
-  file.scale = {0.001, 0.001, 0.001};
+  las_test::File file = las_file(4, 6);
   const std::string map = "PROJCS[\"map\",GEOGCS[\"g\",DATUM[\"d\",SPHEROID[\"s\",6378137,298]]],UNIT[\"metre\",1]]";
   for (const std::string unit : {"UNIT[\"US survey foot\",0.304800609601219]", "UNIT[\"metre\",1]"}) {
     file.vlrs = {
@@ -185,11 +189,7 @@ TEST_F(SilentLosses, VerifyTellsOfRoundingAndOfPointsThatStagesLeaveOut) {
 }
 
 TEST_F(SilentLosses, WaveformsOfLas13AreCountedAsAnExtendedVlrInLas14) {
-  las_test::File file;
-  file.minor = 3;
-  file.format = 4;
-  file.count = 20;
-  file.scale = {0.001, 0.001, 0.001};
+  const las_test::File file = las_file(3, 4);
   std::string bytes = file.bytes();
   const std::uint64_t start = bytes.size();
   las_test::put(bytes, 227, start);
